@@ -42,7 +42,7 @@ fn set_apart(light: &mut LightTracks, time: Time, number: i128) {
     let on = light.on.at(time);
     let key = |second| Key { time: Time::from_integer(second), value: on, ease: Ease::Step };
     if let Ok(track) = Track::new(vec![key(0), key(number)], Repeat::Hold, false) {
-        light.on = Animated::Keyed(track);
+        light.on = Animated::Keyed(track).into();
     }
 }
 

@@ -28,7 +28,7 @@ pub fn sequence() -> Sequence {
         kind: LightKind::Point { position: Constant(DVec3::Z), attenuation: Attenuation::default() },
         color: Constant(Rgb::ONE),
         intensity: Constant(1.0),
-        on: Constant(true),
+        on: true.into(),
     };
     Sequence {
         name: "nothing".into(),

@@ -1,6 +1,6 @@
 //! Transforms of objects over time.
 
-use crate::base::math::{Angle, DAffine3, DMat3, DQuat, DVec3, axis_angle, euler_xyz};
+use crate::base::math::{Angle, DAffine3, DMat3, DQuat, DVec3, axis_angle, euler_xyz, orthonormal};
 use crate::base::time::Time;
 use crate::geometry::motion::Motion;
 use crate::track::Animated;
@@ -52,6 +52,15 @@ impl Rotation {
         }
     }
 
+    /// The times of all keys, in no particular order.
+    pub fn key_times(&self) -> Vec<Time> {
+        match self {
+            Self::Quaternion(quaternion) => quaternion.key_times().collect(),
+            Self::AxisAngle { axis, angle } => axis.key_times().chain(angle.key_times()).collect(),
+            Self::Euler { x, y, z } => [x, y, z].into_iter().flat_map(|angle| angle.key_times()).collect(),
+        }
+    }
+
     pub fn at(&self, time: Time) -> DMat3 {
         match self {
             Self::Quaternion(quaternion) => DMat3::from_quat(quaternion.at(time)),
@@ -69,6 +78,20 @@ impl TransformTracks {
     pub fn is_keyed(&self) -> bool {
         let Self { translation, rotation, scale, pivot: _, motion } = self;
         translation.is_keyed() || rotation.is_keyed() || scale.is_keyed() || motion.is_some()
+    }
+
+    /// The times of all keys, in no particular order.
+    pub fn key_times(&self) -> Vec<Time> {
+        let mut times = self.rotation.key_times();
+        times.extend(self.translation.key_times().chain(self.scale.key_times()));
+        times
+    }
+
+    /// The rotation from the object to its parent, without scales. Of a program's map, the z axis counts, then the side
+    /// on which the y axis is.
+    pub fn rotation_at(&self, time: Time) -> DMat3 {
+        let rotation = self.rotation.at(time);
+        self.motion.as_ref().map_or(rotation, |motion| rotation * orthonormal(motion.at(time).matrix3))
     }
 
     /// The map from the object to its parent. A scale of 0 along any axis gives a singular map, which hides the

@@ -61,8 +61,10 @@ pub fn geometry(
     let before = packed.revision();
     let mut pack =
         |(slot, shape, at, visible, of): (&Slot, &Shape, &Transform, &Visible, &MaterialBinding)| {
+            // A deformed mesh without an area is a group for that moment.
+            let shows = !visible.is_hidden() && *shape != Shape::Group;
             let content = (shape, at.0, Finish::Material(*of));
-            packed.set_seen(slot.0 as usize, (!visible.is_hidden()).then_some(content), visible.0);
+            packed.set_seen(slot.0 as usize, shows.then_some(content), visible.0);
         };
     match first {
         true => all.iter().for_each(&mut pack),

@@ -7,6 +7,7 @@ use super::keys::keyed;
 use super::names::Names;
 use super::node::{Node, NodeContent};
 use super::path::path;
+use super::placement::shown_by;
 use super::poses::camera_poses;
 use super::suggest::shortened;
 use super::values::{
@@ -65,7 +66,7 @@ pub fn camera(node: Node<'_>, objects: Option<&ObjectNames<'_>>) -> Option<Camer
     };
     let lens = fields.or("projection", decode, default_camera().lens);
     let aperture = fields.or("aperture", keyed(not_negative), 0.0);
-    let focus = fields.or("focus", |node| focus(node, objects.map(|objects| &objects.names)), Focus::Target);
+    let focus = fields.or("focus", |node| focus(node, objects), Focus::Target);
     let shutter = fields.or("shutter", keyed(shutter), 0.0);
     let path = fields.or("path", path, Vec::new());
     let path =
@@ -120,10 +121,12 @@ fn poses(fields: &mut Fields<'_>) -> Option<Option<PosePath>> {
 }
 
 /// A distance, or the name of an object.
-fn focus(node: Node<'_>, objects: Option<&Names<'_>>) -> Option<Focus> {
+fn focus(node: Node<'_>, objects: Option<&ObjectNames<'_>>) -> Option<Focus> {
     if node.is_text() {
         return match objects {
-            Some(objects) => objects.index(node).map(Focus::Object),
+            Some(ObjectNames { names, objects }) => {
+                names.index(node).map(|index| Focus::Object(shown_by(objects, index)))
+            }
             // The faults of the objects are already reported.
             None => Some(Focus::Target),
         };
@@ -132,7 +135,7 @@ fn focus(node: Node<'_>, objects: Option<&Names<'_>>) -> Option<Focus> {
         return keyed(positive)(node).map(Focus::Distance);
     }
     let fault = node.mismatch("a distance above 0, or an object's name in quotes");
-    let name = node.bare_word().filter(|word| objects.is_some_and(|objects| objects.has(word)));
+    let name = node.bare_word().filter(|word| objects.is_some_and(|objects| objects.names.has(word)));
     node.fault(match name {
         Some(name) => fault.help(format!("write \"{}\"", shortened(name))),
         None => fault.help("without `focus`, the camera focuses at the distance of its target"),

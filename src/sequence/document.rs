@@ -64,9 +64,9 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let mut transforms = Vec::new();
     let mut scene = materials_and_objects(&mut fields, &mut places.materials, &mut transforms);
     let mut carried = Carried::default();
-    if let (Some(scene), Some(timeline)) = (&mut scene, &timeline) {
+    if let Some(scene) = &mut scene {
         let up = up.unwrap_or_default();
-        carried = Carried::of(&scene.objects, std::mem::take(&mut scene.carried), (up, timeline.duration));
+        carried = Carried::of(root.file, &scene.objects, std::mem::take(&mut scene.carried), up);
     }
     if let Some(lights) = &mut lights {
         places.lights.resize(lights.len(), 0..0);

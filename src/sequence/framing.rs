@@ -4,6 +4,7 @@
 //! beyond their supports in four directions: the normals of the sides of its view. Supports are exact for every shape,
 //! so nothing is framed that is not there.
 
+use super::placement::all_above;
 use super::{Named, Object, Sequence, ShapeTracks};
 use crate::base::math::{Aabb, Angle, Basis, DAffine3, DMat3, DVec2, DVec3, inverse, look_at, max};
 use crate::base::time::{Clock, Time};
@@ -30,13 +31,9 @@ impl Sequence {
 
 /// The objects that are framed and have bounds.
 pub fn framed(objects: &[Named<Object>], framed: &Framed) -> Vec<usize> {
-    let chain = |index: usize| {
-        // Circles of parents are reported elsewhere.
-        std::iter::successors(Some(index), |&at| objects[at].value.parent).take(objects.len())
-    };
     let is_framed = |index: usize| match framed {
         Framed::All => true,
-        Framed::Listed(listed) => chain(index).any(|at| listed.contains(&at)),
+        Framed::Listed(listed) => !all_above(objects, index, &|at| !listed.contains(&at)),
     };
     let bounded = |index: &usize| objects[*index].value.shape.bounds().is_some();
     (0..objects.len()).filter(|index| is_framed(*index)).filter(bounded).collect()
@@ -87,6 +84,7 @@ impl<'a> Framing<'a> {
         }
         let points = framing.objects.iter().map(|&object| match &sequence.objects[object].value {
             Object { shape: Shape::Mesh(mesh), tracks: None, .. } => mesh.mesh.positions().len() as u64,
+            Object { tracks: Some(ShapeTracks::Deformed(mesh)), .. } => mesh.vertices() as u64,
             _ => 1,
         });
         framing.boxes = points.sum::<u64>().saturating_mul(framing.frames.len() as u64) > MAX_POINTS;
@@ -100,8 +98,9 @@ impl<'a> Framing<'a> {
             let changes = object.tracks.as_ref().is_some_and(ShapeTracks::is_keyed);
             object.transform.is_keyed() || object.visible.is_keyed() || changes
         };
+        let objects = &self.sequence.objects;
         self.camera.is_still()
-            && !self.objects.iter().any(|&object| self.sequence.ancestry(object).any(keyed))
+            && self.objects.iter().all(|&object| all_above(objects, object, &|at| !keyed(at)))
     }
 
     fn clocks(&self) -> impl ParallelIterator<Item = Clock> {
@@ -184,10 +183,18 @@ impl<'a> Framing<'a> {
     fn placed(&self, time: Time) -> Vec<(FramedShape<'a>, DAffine3)> {
         let object = |index: usize| &self.sequence.objects[index].value;
         let visible = |index: &usize| self.sequence.is_visible(*index, time);
-        let world =
-            |index: usize| (FramedShape::of(object(index), time), self.sequence.to_world(index, time));
+        let world = |index: usize| (self.shape(object(index), time), self.sequence.to_world(index, time));
         let solid = |(_, world): &(FramedShape, DAffine3)| inverse(world).is_some();
         self.objects.iter().copied().filter(visible).map(world).filter(solid).collect()
+    }
+
+    /// What is framed of an object at a time.
+    fn shape(&self, object: &'a Object, time: Time) -> FramedShape<'a> {
+        match &object.tracks {
+            Some(ShapeTracks::Deformed(mesh)) if !self.boxes => FramedShape::Points(mesh.positions(time)),
+            Some(tracks) => FramedShape::Box(tracks.bounds_at(time)),
+            None => FramedShape::Own(&object.shape),
+        }
     }
 
     /// The largest dot product of a point of the objects with a direction.
@@ -198,6 +205,7 @@ impl<'a> Framing<'a> {
                 FramedShape::Own(shape) if !self.boxes => shape.support(local),
                 FramedShape::Own(shape) => shape.bounds().map(|bounds| box_support(bounds, local)),
                 FramedShape::Box(bounds) => bounds.map(|bounds| box_support(bounds, local)),
+                FramedShape::Points(points) => points.iter().map(|point| point.dot(local)).reduce(max),
             };
             support.map_or(f64::NEG_INFINITY, |support| support + world.translation.dot(direction))
         };
@@ -210,15 +218,8 @@ enum FramedShape<'a> {
     Own(&'a Shape),
     /// The box around a shape that changes over time. It is known without loading files.
     Box(Option<Aabb>),
-}
-
-impl<'a> FramedShape<'a> {
-    fn of(object: &'a Object, time: Time) -> Self {
-        match &object.tracks {
-            Some(tracks) => Self::Box(tracks.bounds_at(time)),
-            None => Self::Own(&object.shape),
-        }
-    }
+    /// The vertices of a deformed mesh.
+    Points(Vec<DVec3>),
 }
 
 /// The support of a box.

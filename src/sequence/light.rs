@@ -46,7 +46,7 @@ fn lit<'s>(
     let intensity = fields.or("intensity", keyed(not_negative), 1.0);
     let on = fields.or("on", keyed(switch), true);
     fields.finish();
-    Some(LightTracks { kind: kind?, color: color?, intensity: intensity?, on: on? })
+    Some(LightTracks { kind: kind?, color: color?, intensity: intensity?, on: on?.into() })
 }
 
 fn point(fields: &mut Fields<'_>) -> Option<LightKind> {

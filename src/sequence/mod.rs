@@ -163,6 +163,9 @@ pub struct Object {
     pub rays: RayVisibility,
     /// Index of the object whose transform and visibility this one inherits. Parents never form a cycle.
     pub parent: Option<usize>,
+    /// Index of the node whose mesh this is, if joints place the mesh, not the node. It is visible only with the node,
+    /// and the name of the node stands for it.
+    pub skin_of: Option<usize>,
 }
 
 /// The size, files and formats of the output.

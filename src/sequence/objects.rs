@@ -175,6 +175,7 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
                         visible,
                         rays: RayVisibility::default(),
                         parent: Some(index),
+                        skin_of: None,
                     };
                     Named { name: format!("{name}[{number}]"), value }
                 };
@@ -182,7 +183,8 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
                 (Shape::Group, None)
             }
         };
-        objects.push(Named { name, value: Object { shape, tracks, made_of, transform, visible, rays, parent } });
+        let value = Object { shape, tracks, made_of, transform, visible, rays, parent, skin_of: None };
+        objects.push(Named { name, value });
     }
     (objects, below)
 }
@@ -196,7 +198,7 @@ fn scene_objects(
     (object, first): (usize, usize),
 ) -> Vec<Named<Object>> {
     let mut bound: Vec<MaterialBinding> = Vec::with_capacity(nodes.len());
-    let node = |SceneNode { name, parent, shape, material, transform, visible, deformation: _ }| {
+    let node = |SceneNode { name, parent, shape, material, transform, visible, deformation: _, skin_of }| {
         let made_of = match (material, own) {
             (NodeMaterial::Of(other), _) => bound.get(other).copied().unwrap_or(own),
             (NodeMaterial::Given(source), _) => table.bind(source, &name),
@@ -207,8 +209,9 @@ fn scene_objects(
         };
         bound.push(made_of);
         let parent = Some(parent.map_or(object, |parent| first + parent));
-        let rays = RayVisibility::default();
-        Named { name, value: Object { shape, tracks: None, made_of, transform, visible, rays, parent } }
+        let (rays, skin_of) = (RayVisibility::default(), skin_of.map(|node| first + node));
+        let value = Object { shape, tracks: None, made_of, transform, visible, rays, parent, skin_of };
+        Named { name, value }
     };
     nodes.into_iter().map(node).collect()
 }

@@ -4,7 +4,7 @@ use super::key_clock::KeyClock;
 use super::keys::row_time;
 use super::pose_columns::{ColumnName, MatrixOrder, PoseColumns, RotationColumns};
 use super::values::LARGEST;
-use crate::base::math::{DMat3, DQuat, DVec3, NotRigid, ROUNDED, rotation_and_scale};
+use crate::base::math::{DMat3, DQuat, DVec3, NotRigid, ROUNDED, rotation_and_scale, unit_quaternion};
 use crate::base::time::Time;
 use crate::geometry::transform::{Rotation, TransformTracks};
 use crate::import::table::{Table, TableError};
@@ -322,13 +322,9 @@ fn quaternions(table: &Table, names: &[ColumnName; 4]) -> Result<Vec<Row>, PoseF
     let (w, x, y, z) = (w?, x?, y?, z?);
     let row = |row: usize| {
         let parts = [x[row], y[row], z[row], w[row]];
-        let largest = parts.iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
-        if largest == 0.0 {
-            let why = "the quaternion is zero, which is no rotation".to_owned();
-            return Err(at_row(table, row, &names[0], why));
-        }
-        // Scaled first, so that the length neither underflows nor overflows.
-        let rotation = DQuat::from_array(parts.map(|part| part / largest)).normalize();
+        let zero =
+            || at_row(table, row, &names[0], "the quaternion is zero, which is no rotation".to_owned());
+        let rotation = unit_quaternion(parts).ok_or_else(zero)?;
         Ok(Row { rotation, position: None, scale: DVec3::ONE })
     };
     (0..table.rows()).map(row).collect()

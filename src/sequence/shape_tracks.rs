@@ -4,8 +4,8 @@ use crate::base::digest::Digest;
 use crate::base::math::Aabb;
 use crate::base::time::Time;
 use crate::geometry::deformation::DeformedMesh;
-use crate::geometry::shape::Geometric;
 use crate::geometry::shape::ParticleTracks;
+use crate::geometry::shape::{Geometric, Mesh};
 use crate::import::series::MeshSeries;
 use std::sync::Arc;
 
@@ -41,11 +41,11 @@ impl ShapeTracks {
         match self {
             Self::Series(series) => series.named(time).bounds(),
             Self::Particles(particles) => particles.bounds_at(time),
-            Self::Deformed(mesh) => mesh.named(time).bounds(),
+            Self::Deformed(mesh) => mesh.named(time).as_ref().and_then(Mesh::bounds),
         }
     }
 
-    /// A box around the shape over all times.
+    /// A box around the shape over all times. Of deformed meshes at their keys and midway between them.
     pub fn bounds(&self) -> Aabb {
         match self {
             Self::Series(series) => series.bounds(),

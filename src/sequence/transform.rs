@@ -7,7 +7,7 @@ use super::node::{Node, NodeContent};
 use super::poses::{object_poses, posed};
 use super::values::{angle, direction, each, number, tuple, vector};
 use super::words::{Variants, variant};
-use crate::base::math::{Angle, DQuat, DVec3};
+use crate::base::math::{self, Angle, DQuat, DVec3};
 use crate::geometry::transform::{Rotation, TransformTracks};
 use crate::track::Animated;
 
@@ -108,12 +108,10 @@ fn quaternion(node: Node<'_>) -> Option<Rotation> {
 
 fn unit_quaternion(node: Node<'_>) -> Option<DQuat> {
     let parts = each(tuple(node, "four numbers (x, y, z, w)")?, number)?;
-    let largest = parts.iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
-    if largest == 0.0 {
+    let rotation = math::unit_quaternion(parts);
+    if rotation.is_none() {
         let fault = node.mismatch("a quaternion (x, y, z, w)").label("is zero, which is no rotation");
         node.fault(fault.help("(0, 0, 0, 1) is no turn"));
-        return None;
     }
-    // Scaled first, so that the length neither underflows nor overflows.
-    Some(DQuat::from_array(parts.map(|part| part / largest)).normalize())
+    rotation
 }

@@ -2,6 +2,7 @@
 
 use super::fault::Fault;
 use super::node::File;
+use super::placement;
 use super::suggest::shortened;
 use super::values::{LARGEST, SHORTEST};
 use super::{Named, Object};
@@ -68,9 +69,11 @@ fn range<T: Animate>(values: &Animated<T>, of: impl Fn(&T) -> (f64, f64)) -> (f6
         Animated::Keyed(track) => {
             let each = || track.keys().iter().map(|key| of(&key.value));
             let least = each().map(|(least, _)| least).filter(|least| *least > 0.0);
+            // Curves have no other easing. They may pass through anything within their overshoot.
+            let beyond = track.overshoot(|tangent| of(tangent).1);
             (
-                least.fold(f64::INFINITY, f64::min),
-                OVERSHOOT * each().map(|(_, most)| most).fold(0.0, f64::max),
+                (least.fold(f64::INFINITY, f64::min) - beyond).max(0.0),
+                OVERSHOOT * each().map(|(_, most)| most).fold(0.0, f64::max) + beyond,
             )
         }
     }
@@ -83,9 +86,7 @@ pub fn report_out_of_range(
     objects: &[Named<Object>],
     places: &[TransformPlace],
 ) {
-    let chain = |index: usize| {
-        std::iter::successors(Some(index), |&at| objects.get(at)?.value.parent).map(|at| &objects[at].value)
-    };
+    let chain = |index: usize| placement::chain(objects, index).map(|at| &objects[at].value);
     let mut out = vec![false; objects.len()];
     let mut left = MAX_CHECKS;
     for (index, span) in spans(objects) {
@@ -105,7 +106,7 @@ pub fn report_out_of_range(
         };
         left = rest;
         // Values are largest at keys. Keys may be between frames, but open shutters and other frame rates see them.
-        let keys = chain(index).flat_map(|object| key_times(&object.transform));
+        let keys = chain(index).flat_map(|object| object.transform.key_times());
         let within = keys.filter(|time| *time > Time::from_integer(0) && *time < timeline.duration);
         let times = (0..frames).map(|frame| timeline.clock(frame).time).chain(within);
         if let Some((time, what)) = times.filter_map(wrong).min_by_key(|(time, _)| *time) {
@@ -123,17 +124,6 @@ fn too_near(object: &Named<Object>, frames: u32, place: TransformPlace) -> Fault
     let title = format!("object `{name}` is scaled or moved too near to 1e-30 or 1e30 for {frames} frames");
     Fault::new(place.scale, title, "it would take too long to check every frame")
         .help("stay farther from these limits with `scale` and `translation` of the object and its parents")
-}
-
-/// Key times of the scale and the translation.
-fn key_times(tracks: &TransformTracks) -> Vec<Time> {
-    fn of<T: Animate>(values: &Animated<T>) -> Vec<Time> {
-        match values {
-            Animated::Constant(_) => Vec::new(),
-            Animated::Keyed(track) => track.keys().iter().map(|key| key.time).collect(),
-        }
-    }
-    [of(&tracks.scale), of(&tracks.translation)].concat()
 }
 
 /// Bounds of the product of each object's transform and those of its parents, parents first. Excludes objects with

@@ -7,11 +7,14 @@
 mod ease;
 mod interpolate;
 mod spline;
+mod switch;
 
 pub use ease::Ease;
 pub use interpolate::{Animate, LogScale, Modes};
+pub use switch::Switch;
 
 use crate::base::time::{Fraction, Time, is_after};
+use std::sync::Arc;
 
 /// A constant or keyed value.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,15 +43,15 @@ pub enum Repeat {
     PingPong,
 }
 
-/// Keys in strictly increasing order of time; at least one.
+/// Keys in strictly increasing order of time; at least one. Clones share them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track<T> {
-    keys: Vec<Key<T>>,
+    keys: Arc<[Key<T>]>,
     repeat: Repeat,
     /// Whether splines treat the first and the last key, which have the same value, as one point.
     closed: bool,
     /// For each segment between two keys its tangents at both ends, times its length; empty without such curves.
-    curves: Vec<[T; 2]>,
+    curves: Arc<[[T; 2]]>,
 }
 
 /// Why keys are not a track. The numbers are indices of keys.
@@ -67,19 +70,19 @@ impl<T: Animate> Track<T> {
         if let Some(before) = keys.windows(2).position(|pair| pair[1].time <= pair[0].time) {
             return Err(TrackError::NotAscending(before + 1));
         }
-        Ok(Self { keys, repeat, closed, curves: Vec::new() })
+        Ok(Self { keys: keys.into(), repeat, closed, curves: Arc::from([]) })
     }
 
     /// Bends the segments between keys, except those that step: cubic Hermite curves with these tangents at both ends,
     /// times the length of the segment. Without tangents, or with another number of them, nothing changes.
     pub fn with_curves(self, curves: Vec<[T; 2]>) -> Self {
         let curves = if curves.len() + 1 == self.keys.len() { curves } else { Vec::new() };
-        Self { curves, ..self }
+        Self { curves: curves.into(), ..self }
     }
 
     /// The same track with changed values and without curves. The change must keep the times.
     pub fn map(self, change: impl Fn(Key<T>) -> Key<T>) -> Self {
-        Self { keys: self.keys.into_iter().map(change).collect(), curves: Vec::new(), ..self }
+        Self { keys: self.keys.iter().cloned().map(change).collect(), curves: Arc::from([]), ..self }
     }
 
     /// The times of keys from a time to another, those of all rounds if keys repeat, in increasing order; at most about
@@ -123,30 +126,13 @@ impl<T: Animate> Track<T> {
         self.curves.get(from)
     }
 
-    /// The times at which a value may step, up to `end`, about `most` of them. Keys that repeat are repeated. Backwards,
-    /// a value steps right behind the time of its key, so there is a time a billionth of a second later.
-    pub fn times_until(&self, end: Time, most: usize) -> Vec<Time> {
-        let (first, last) = (self.keys[0].time, self.keys[self.keys.len() - 1].time);
-        let span = last - first;
-        let mut times: Vec<Time> = self.keys.iter().map(|key| key.time).take(most).collect();
-        if self.repeat == Repeat::Hold || span == Time::from_integer(0) {
-            return times;
-        }
-        // Also the rounds before the first key, back to the time 0.
-        let mut round =
-            if first > Time::from_integer(0) { -(first / span).ceil() } else { Time::from_integer(1) };
-        while times.len() < most && first + round * span <= end {
-            for key in &self.keys {
-                let mirrored = first + last - key.time;
-                let back = self.repeat == Repeat::PingPong && round.to_integer().rem_euclid(2) == 1;
-                times.push(round * span + if back { mirrored } else { key.time });
-                if back {
-                    times.push(round * span + mirrored + Time::new(1, 1_000_000_000));
-                }
-            }
-            round += Time::from_integer(1);
-        }
-        times
+    /// The most that curves lead beyond the values of keys: `size` is a norm of values and tangents.
+    ///
+    /// Between two keys, a cubic Hermite curve is a mean of both values, plus the tangents times s³ - 2s² + s and
+    /// s³ - s², which are at most 4/27 in size.
+    pub fn overshoot(&self, size: impl Fn(&T) -> f64) -> f64 {
+        let beyond = |[leaving, arriving]: &[T; 2]| 4.0 / 27.0 * (size(leaving) + size(arriving));
+        self.curves.iter().map(beyond).fold(0.0, f64::max)
     }
 
     /// The value at `time`. A key takes effect exactly at its time.
@@ -216,6 +202,24 @@ impl<T: Animate> Animated<T> {
 
     pub fn is_keyed(&self) -> bool {
         matches!(self, Self::Keyed(_))
+    }
+
+    /// The times of all keys.
+    pub fn key_times(&self) -> impl Iterator<Item = Time> {
+        let keys = match self {
+            Self::Constant(_) => &[][..],
+            Self::Keyed(track) => track.keys(),
+        };
+        keys.iter().map(|key| key.time)
+    }
+
+    /// The largest size of a value, also between the keys of curves. Other easings may overshoot.
+    pub fn peak(&self, size: impl Fn(&T) -> f64) -> f64 {
+        let beyond = match self {
+            Self::Constant(_) => 0.0,
+            Self::Keyed(track) => track.overshoot(&size),
+        };
+        self.values().map(size).fold(0.0, f64::max) + beyond
     }
 
     /// The constant, or every key's value.
@@ -307,6 +311,20 @@ mod tests {
             let held = track(&keys, Repeat::Hold, round % 2 == 0);
             assert!((0..).zip(&points).all(|(t, point)| held.at(seconds(t, 1)) == point.x), "{ease:?}");
         }
+    }
+
+    #[test]
+    fn curves_stay_within_their_bound_and_reach_it() {
+        let keys = [(0, 0.0, Ease::Linear), (1, 0.0, Ease::Linear)];
+        let curve = track(&keys, Repeat::Hold, false).with_curves(vec![[3.0, -3.0]]);
+        let overshoot = curve.overshoot(|value| value.abs());
+        let most = (0..=1000).map(|step| curve.at(seconds(step, 1000)).abs()).fold(0.0, f64::max);
+        // Both tangents push the same way; their bounds are at 1/3 and 2/3.
+        assert!(most <= overshoot && most > 0.8 * overshoot, "{most} {overshoot}");
+        let one = track(&keys, Repeat::Hold, false).with_curves(vec![[27.0, 0.0]]);
+        assert_eq!(one.overshoot(|value| value.abs()), 4.0);
+        assert!((one.at(seconds(1, 3)) - 4.0).abs() < 1e-14);
+        assert_eq!(Animated::Keyed(one).peak(|value| value.abs()), 4.0);
     }
 
     #[test]

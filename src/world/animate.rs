@@ -17,8 +17,8 @@ use crate::geometry::shape::{Particles, Shape};
 use crate::geometry::transform::TransformTracks;
 use crate::import::series::StepError;
 use crate::world::{
-    ActiveCamera, Current, Hierarchy, Now, Objects, ShapeDeformed, ShapeParticles, ShapeSeries, ShapeUse,
-    Transform, Visible, VisibleTracks, Weight,
+    ActiveCamera, Current, Hierarchy, HierarchyEntry, Now, Objects, ShapeDeformed, ShapeParticles,
+    ShapeSeries, ShapeUse, Transform, Visible, VisibleTracks, Weight,
 };
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::system::{Query, Res, ResMut};
@@ -33,26 +33,29 @@ pub fn transforms(
     hierarchy: Res<Hierarchy>,
     mut objects: Query<(&mut Transform, &mut Visible, Option<Tracks>)>,
 ) {
-    for &(entity, parent) in &hierarchy.0 {
+    for &HierarchyEntry { object, parent, shown_with } in &hierarchy.0 {
         let parent = parent.and_then(|parent| objects.get(parent).ok());
         let parent = parent.map(|(transform, visible, _)| (*transform, *visible));
-        let Ok((mut transform, mut visible, Some((tracks, visible_tracks)))) = objects.get_mut(entity) else {
+        let other = shown_with.and_then(|other| objects.get(other).ok()).map(|(_, visible, _)| *visible);
+        let Ok((mut transform, mut visible, Some((tracks, visible_tracks)))) = objects.get_mut(object) else {
             continue;
         };
-        let (affine, shown) = placed(tracks, visible_tracks, parent, now.0.time);
+        let (affine, shown) = placed(tracks, visible_tracks, (parent, other), now.0.time);
         transform.set_if_neq(affine);
         visible.set_if_neq(shown);
     }
 }
 
-/// World transform and visibility of an object, from those of its parent.
+/// World transform and visibility of an object, from those of its parent, and from the visibility of the object with which
+/// alone it is visible.
 pub(super) fn placed(
     tracks: &TransformTracks,
     visible: &VisibleTracks,
-    parent: Option<(Transform, Visible)>,
+    (parent, other): (Option<(Transform, Visible)>, Option<Visible>),
     time: Time,
 ) -> (Transform, Visible) {
     let (affine, visible) = (tracks.at(time), visible.at(time));
+    let visible = other.map_or(visible, |other| visible.and(other.0));
     match parent {
         Some((outer, shown)) => (Transform(outer.0 * affine), Visible(shown.0.and(visible))),
         None => (Transform(affine), Visible(visible)),
@@ -77,27 +80,31 @@ pub fn series(
     Ok(())
 }
 
-/// Updates visible meshes that morph targets and joints deform.
+/// Updates visible meshes that morph targets and joints deform. Those without an area become groups, which show nothing.
 pub fn deformed(
     now: Res<Now>,
     shapes: Res<ShapeUse>,
     mut objects: Query<(&ShapeDeformed, &Visible, &mut Shape)>,
 ) -> Result<(), StepError> {
-    for (mesh, visible, mut shape) in &mut objects {
+    for (deformed, visible, mut shape) in &mut objects {
         if !visible.is_hidden() {
             let mesh = match *shapes {
-                ShapeUse::Digests => mesh.0.named(now.0.time),
-                ShapeUse::Rays => mesh.0.loaded(now.0.time).map_err(|error| vanished(&error))?,
+                ShapeUse::Digests => deformed.mesh.named(now.0.time),
+                ShapeUse::Rays => deformed
+                    .mesh
+                    .loaded(now.0.time)
+                    .map_err(|error| out_of_range(&deformed.object, &error))?,
             };
-            shape.set_if_neq(Shape::Mesh(mesh));
+            shape.set_if_neq(mesh.map_or(Shape::Group, Shape::Mesh));
         }
     }
     Ok(())
 }
 
-/// The error of a mesh without a shape at this moment.
-fn vanished(error: &MeshError) -> StepError {
-    StepError { path: "of a glTF file, as it is deformed".into(), why: error.to_string() }
+/// The error of a mesh that is out of range at this moment.
+fn out_of_range(object: &str, error: &MeshError) -> StepError {
+    let mesh = format!("of the object {object:?}, as it is deformed");
+    StepError { path: mesh.into(), why: error.to_string() }
 }
 
 /// Updates visible particles.

@@ -50,7 +50,11 @@ pub struct ShapeSeries(pub Arc<MeshSeries>);
 
 /// The mesh of an object that morph targets and joints deform.
 #[derive(Clone, Component, Debug)]
-pub struct ShapeDeformed(pub Arc<DeformedMesh>);
+pub struct ShapeDeformed {
+    pub mesh: Arc<DeformedMesh>,
+    /// The name of the object, for messages.
+    pub object: Arc<str>,
+}
 
 /// The particles of an object over time.
 #[derive(Clone, Component, Debug)]

@@ -13,5 +13,7 @@ pub use components::{
     AreaLight, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, Transform, Visible, VisibleTracks,
     Weight,
 };
-pub use resources::{ActiveCamera, Current, Hierarchy, LightSetup, Now, Objects, ShapeUse, SlotCount};
+pub use resources::{
+    ActiveCamera, Current, Hierarchy, HierarchyEntry, LightSetup, Now, Objects, ShapeUse, SlotCount,
+};
 pub use spawn::{sky_table, spawn};

@@ -25,9 +25,17 @@ pub enum ShapeUse {
     Rays,
 }
 
-/// Objects that may move, with their parents. Parents come before children.
+/// Objects that may move. Those that others need come first.
 #[derive(Clone, Debug, Default, Resource)]
-pub struct Hierarchy(pub Vec<(Entity, Option<Entity>)>);
+pub struct Hierarchy(pub Vec<HierarchyEntry>);
+
+/// An object, the one whose transform and visibility it inherits, and another one with which alone it is visible.
+#[derive(Clone, Copy, Debug)]
+pub struct HierarchyEntry {
+    pub object: Entity,
+    pub parent: Option<Entity>,
+    pub shown_with: Option<Entity>,
+}
 
 /// The objects in the file's order.
 #[derive(Clone, Debug, Default, Resource)]

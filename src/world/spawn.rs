@@ -1,8 +1,8 @@
 //! Spawns the entities of a sequence, with their values at its first moment.
 
 use super::{
-    ActiveCamera, AreaLight, FileOrder, Hierarchy, LightSetup, Now, Objects, ShapeDeformed, ShapeParticles,
-    ShapeSeries, Slot, SlotCount, Transform, Visible, VisibleTracks, Weight, animate,
+    ActiveCamera, AreaLight, FileOrder, Hierarchy, HierarchyEntry, LightSetup, Now, Objects, ShapeDeformed,
+    ShapeParticles, ShapeSeries, Slot, SlotCount, Transform, Visible, VisibleTracks, Weight, animate,
 };
 use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
@@ -12,7 +12,7 @@ use crate::base::math::{DAffine3, UpAxis};
 use crate::film::LayerId;
 use crate::geometry::ray_kinds::RayKinds;
 use crate::geometry::shape::Shape;
-use crate::sequence::{LightLayers, Object, Sequence, ShapeTracks};
+use crate::sequence::{LightLayers, Named, Object, Sequence, ShapeTracks};
 use crate::track::Animated;
 use bevy_ecs::world::{EntityWorldMut, World};
 use std::sync::Arc;
@@ -133,16 +133,16 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
     let still = (Transform(DAffine3::IDENTITY), Visible(RayKinds::ALL));
     let (mut placed, mut moves) = (vec![still; objects.len()], vec![false; objects.len()]);
     for &index in &order {
-        let Object { transform, parent, .. } = &objects[index].value;
+        let Object { transform, parent, skin_of, .. } = &objects[index].value;
         let visible = visibility(&objects[index].value);
         let outer = parent.map(|parent| placed[parent]).or(root);
-        placed[index] = animate::placed(transform, &visible, outer, start);
+        let node = skin_of.map(|node| placed[node].1);
+        placed[index] = animate::placed(transform, &visible, (outer, node), start);
         let keyed = transform.is_keyed() || visible.is_keyed();
-        moves[index] = keyed || parent.is_some_and(|parent| moves[parent]);
+        moves[index] = keyed || parent.iter().chain(skin_of).any(|&above| moves[above]);
     }
     let (mut entities, mut slots) = (Vec::with_capacity(objects.len()), FreeSlots::of(world));
-    for (index, object) in objects.iter().enumerate() {
-        let object = &object.value;
+    for (index, Named { name, value: object }) in objects.iter().enumerate() {
         let mut entity = world.spawn((object.shape.clone(), object.made_of, placed[index]));
         if object.shape != Shape::Group {
             entity.insert(slots.next());
@@ -152,7 +152,7 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
                 entity.insert(ShapeSeries(Arc::clone(series)));
             }
             Some(ShapeTracks::Deformed(mesh)) => {
-                entity.insert(ShapeDeformed(Arc::clone(mesh)));
+                entity.insert(ShapeDeformed { mesh: Arc::clone(mesh), object: name.as_str().into() });
             }
             Some(ShapeTracks::Particles(particles)) => {
                 entity.insert(ShapeParticles(Arc::clone(particles)));
@@ -165,8 +165,12 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
         entities.push(entity.id());
     }
     let root = root.map(|root| world.spawn(root).id());
-    let pair = |i: usize| (entities[i], objects[i].value.parent.map(|parent| entities[parent]).or(root));
-    let hierarchy = order.into_iter().filter(|&index| moves[index]).map(pair).collect();
+    let entry = |index: usize| {
+        let Object { parent, skin_of, .. } = &objects[index].value;
+        let parent = parent.map(|parent| entities[parent]).or(root);
+        HierarchyEntry { object: entities[index], parent, shown_with: skin_of.map(|node| entities[node]) }
+    };
+    let hierarchy = order.into_iter().filter(|&index| moves[index]).map(entry).collect();
     world.insert_resource(Hierarchy(hierarchy));
     world.insert_resource(Objects(entities));
     world.insert_resource(SlotCount(slots.0));
@@ -182,18 +186,28 @@ fn upright_root(up: UpAxis) -> Option<(Transform, Visible)> {
     (up != UpAxis::Y).then(|| (Transform(DAffine3::from_mat3(up.matrix())), Visible(RayKinds::ALL)))
 }
 
-/// Indices of all objects, parents before children.
+/// Indices of all objects, parents before children, and the nodes of skinned meshes before these.
 fn parents_first(sequence: &Sequence) -> Vec<usize> {
-    let (mut order, mut children) = (Vec::new(), vec![Vec::new(); sequence.objects.len()]);
+    let count = sequence.objects.len();
+    let (mut order, mut below, mut missing) = (Vec::new(), vec![Vec::new(); count], vec![0u8; count]);
     for (index, object) in sequence.objects.iter().enumerate() {
-        match object.value.parent {
-            Some(parent) => children[parent].push(index),
-            None => order.push(index),
+        let Object { parent, skin_of, .. } = &object.value;
+        for &above in parent.iter().chain(skin_of) {
+            below[above].push(index);
+            missing[index] += 1;
+        }
+        if missing[index] == 0 {
+            order.push(index);
         }
     }
     let mut next = 0;
-    while let Some(&parent) = order.get(next) {
-        order.append(&mut children[parent]);
+    while let Some(&above) = order.get(next) {
+        for &index in &below[above] {
+            missing[index] -= 1;
+            if missing[index] == 0 {
+                order.push(index);
+            }
+        }
         next += 1;
     }
     order

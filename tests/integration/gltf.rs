@@ -1,6 +1,6 @@
 //! Scenes of glTF files, as users see them.
 
-use crate::command::{kinora, refused};
+use crate::command::{kinora, refused, run, stderr};
 use crate::support::shoot;
 use kinora::base::color::Rgb;
 use kinora::sequence::{Sequence, load};
@@ -115,6 +115,8 @@ fn alpha_is_ignored_cut_or_mixed() {
     let of = |material: Value| shown(painted(json!({ "index": 0 }), material, texels));
     assert_eq!(of(json!({})), [Rgb::X, Rgb::Y, Rgb::Z, Rgb::ONE]);
     assert_eq!(of(json!({ "alphaMode": "MASK" })), [Rgb::X, BACKGROUND, Rgb::Z, BACKGROUND]);
+    // No alpha reaches it.
+    assert_eq!(of(json!({ "alphaMode": "MASK", "alphaCutoff": 2 })), [BACKGROUND; 4]);
     let low = json!({ "alphaMode": "MASK", "alphaCutoff": 0.25 });
     assert_eq!(of(low), [Rgb::X, BACKGROUND, Rgb::Z, Rgb::ONE]);
     let half = |color: Rgb, alpha: f32| color * alpha + BACKGROUND * (1.0 - alpha);
@@ -226,4 +228,65 @@ fn lights_have_the_stated_units() {
     near(lit(json!({ "type": "point", "intensity": flux }), 2.0), Rgb::splat(0.25));
     near(lit(json!({ "type": "point", "intensity": 0.01 * flux }), 0.2), Rgb::splat(0.25));
     near(lit(json!({ "type": "spot", "intensity": flux }), 0.5), Rgb::splat(4.0));
+}
+
+/// The upper left pixel of the frames of a file whose animation has keys at every second.
+fn frames(file: GltfFixture) -> Vec<Rgb> {
+    let folder = folder();
+    fs::write(folder.path().join("robot.glb"), file.glb()).expect("a disk");
+    let text = "(timeline: (frames: 3, fps: 1), output: (size: (2, 2)), quality: (antialias: 1),
+        background: (0.125, 0.25, 0.5), camera: (position: (0, 0, 5), projection: Orthographic(height: 2)),
+        objects: { \"robot\": (shape: Scene(\"robot.glb\")) })";
+    fs::write(folder.path().join("scene.ron"), text).expect("a disk");
+    let sequence: Sequence = load(&folder.path().join("scene.ron")).unwrap_or_else(|error| panic!("{error}"));
+    shoot(&sequence, 0..3).iter().map(|shot| shot.pixel(0, 0)).collect()
+}
+
+/// Adds an animation of one channel that steps at every second.
+fn step(file: &mut GltfFixture, path: &str, node: usize, (kind, width): (&str, usize), values: &[f32]) {
+    let times: Vec<f32> = (0u16..).map(f32::from).take(values.len() / width).collect();
+    let (input, output) = (file.floats("SCALAR", 1, &times), file.floats(kind, width, values));
+    file.set(
+        json!({ "animations": [{ "samplers": [{ "input": input, "output": output, "interpolation": "STEP" }],
+        "channels": [{ "sampler": 0, "target": { "node": node, "path": path } }] }] }),
+    );
+}
+
+#[test]
+fn meshes_without_an_area_are_hidden_for_that_moment() {
+    let white = Rgb::ONE;
+    // A joint of scale 0 in the second frame.
+    let mut file = GltfFixture::default();
+    let joints = file.accessor(&[0; 16], 5121, "VEC4", 4);
+    let weights = file.floats("VEC4", 4, &[1.0, 0.0, 0.0, 0.0].repeat(4));
+    let rest = square(json!({}), PLAIN, &[]).json;
+    file.set(json!({ "materials": rest["materials"], "skins": [{ "joints": [1] }],
+        "nodes": [{ "name": "square", "mesh": 0, "skin": 0 }, { "name": "joint" }] }));
+    extend(&mut file, PLAIN, &[("JOINTS_0", joints), ("WEIGHTS_0", weights)]);
+    step(&mut file, "scale", 1, ("VEC3", 3), &[1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+    assert_eq!(frames(file), [white, BACKGROUND, white]);
+    // A morph target that leaves nothing, in the first and the last frame.
+    let mut file = square(json!({}), PLAIN, &[]);
+    let inward: Vec<f32> = [1.0f32, 1.0, 0.0, -1.0, 1.0, 0.0, 1.0, -1.0, 0.0, -1.0, -1.0, 0.0].into();
+    let target = file.floats("VEC3", 3, &inward);
+    file.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": target }]);
+    step(&mut file, "weights", 0, ("SCALAR", 1), &[1.0, 0.0, 1.0]);
+    assert_eq!(frames(file), [BACKGROUND, white, BACKGROUND]);
+}
+
+/// A mesh out of range ends the run with the name of its object.
+#[test]
+fn deformed_meshes_out_of_range_are_named() {
+    let folder = folder();
+    let mut file = square(json!({}), PLAIN, &[]);
+    let target = file.floats("VEC3", 3, &[1e20; 12]);
+    file.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": target }]);
+    step(&mut file, "weights", 0, ("SCALAR", 1), &[0.0, 1e20]);
+    fs::write(folder.path().join("robot.glb"), file.glb()).expect("a disk");
+    let text = "(timeline: (frames: 2, fps: 1), output: (size: (2, 2)), objects: { \"robot\": (shape: Scene(\"robot.glb\")) })";
+    fs::write(folder.path().join("scene.ron"), text).expect("a disk");
+    let done = run(folder.path(), &["render", "scene.ron", "-o", "out_#.png"]);
+    let message = stderr(&done);
+    assert_ne!(done.status.code(), Some(0), "{message}");
+    assert!(message.contains("the object \"robot/square\"") && message.contains("at most 1e30"), "{message}");
 }

@@ -255,3 +255,63 @@ fn errors_contain_the_reason_of_the_system() {
         "{printed}"
     );
 }
+
+/// JSON takes far more memory than bytes once it is parsed. Text between quotes does not.
+#[cfg(target_os = "linux")]
+#[test]
+fn scenes_beyond_memory_are_refused_in_advance() {
+    let folder = folder();
+    let path = folder.path();
+    let scene = |name: &str, member: &str| {
+        fs::write(
+            path.join("scene.gltf"),
+            format!("{{\"asset\":{{\"version\":\"2.0\"}},\"{name}\":{member}}}"),
+        )
+        .expect("a disk");
+    };
+    write(path, "scene.ron", "objects: { \"robot\": (shape: Scene(\"scene.gltf\")) }");
+    scene("x", &format!("[{}0]", "[0],".repeat(2 << 20)));
+    let printed = refused_within(700_000, path, &["check", "scene.ron"]);
+    assert!(printed.contains(" of memory, but only "), "{printed}");
+    scene("extras", &format!("\"{}\"", "x".repeat(8 << 20)));
+    let (code, printed) = limited(path, "ulimit -v 700000", &["check", "scene.ron"]);
+    assert_eq!(code, Some(0), "{printed}");
+}
+
+/// Every joint knows the transforms of all nodes above it, which are stored once.
+#[cfg(target_os = "linux")]
+#[test]
+fn deep_skeletons_take_little_memory() {
+    use base64::Engine;
+    let folder = folder();
+    let path = folder.path();
+    let mut data: Vec<u8> =
+        [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    data.extend([0; 12]);
+    data.extend([1.0f32, 0.0, 0.0, 0.0].repeat(3).iter().flat_map(|v| v.to_le_bytes()));
+    let uri = format!("data:;base64,{}", base64::engine::general_purpose::STANDARD.encode(&data));
+    let count = 8000;
+    let nodes: Vec<String> = (0..count)
+        .map(|index| match index {
+            0 => r#"{"mesh":0,"skin":0}"#.to_owned(),
+            index if index + 1 < count => format!(r#"{{"children":[{}]}}"#, index + 1),
+            _ => "{}".to_owned(),
+        })
+        .collect();
+    let joints: Vec<String> = (1..count).map(|joint| joint.to_string()).collect();
+    let text = format!(
+        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":{},"uri":"{uri}"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36}},{{"buffer":0,"byteOffset":36,"byteLength":12}},{{"buffer":0,"byteOffset":48,"byteLength":48}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":3}},
+            {{"bufferView":1,"componentType":5121,"type":"VEC4","count":3}},{{"bufferView":2,"componentType":5126,"type":"VEC4","count":3}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":2}}}}]}}],
+        "skins":[{{"joints":[{}]}}],"nodes":[{}]}}"#,
+        data.len(),
+        joints.join(","),
+        nodes.join(",")
+    );
+    fs::write(path.join("scene.gltf"), text).expect("a disk");
+    write(path, "scene.ron", "objects: { \"robot\": (shape: Scene(\"scene.gltf\")) }");
+    let (code, printed) = limited(path, "ulimit -v 1000000", &["check", "scene.ron"]);
+    assert_eq!(code, Some(0), "{printed}");
+}

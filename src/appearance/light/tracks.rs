@@ -7,7 +7,7 @@ use crate::base::math::{Angle, DAffine3, DVec3};
 use crate::base::time::Time;
 use crate::geometry::carrier::Carrier;
 use crate::geometry::shape::{Rectangle, Sphere};
-use crate::track::Animated;
+use crate::track::{Animated, Switch};
 use bevy_ecs::component::Component;
 
 /// A light over time.
@@ -17,7 +17,7 @@ pub struct LightTracks {
     pub color: Animated<Rgb>,
     /// At least 0. For its unit, see [`Light::radiance`](super::Light::radiance).
     pub intensity: Animated<f64>,
-    pub on: Animated<bool>,
+    pub on: Switch,
 }
 
 /// A [`Source`] over time.
@@ -101,14 +101,14 @@ impl LightKind {
                 let rectangle = Rectangle { corner: corner.at(time), u: u.at(time), v: v.at(time) };
                 Source::Rectangle { rectangle, one_sided: *one_sided }
             }
-            Self::Carried { kind, carrier } => carried(kind.at(time), &carrier.at(time)),
+            Self::Carried { kind, carrier } => carried(kind.at(time), &carrier.rigid_at(time)),
         }
     }
 }
 
-/// A point, spot or directional light after a map. Scales have no effect on its directions.
+/// A point, spot or directional light after a map that only turns and moves.
 fn carried(source: Source, map: &DAffine3) -> Source {
-    let turned = |direction: DVec3| (map.matrix3 * direction).normalize_or(DVec3::NEG_Y);
+    let turned = |direction: DVec3| (map.matrix3 * direction).normalize();
     match source {
         Source::Point { position, attenuation } => {
             Source::Point { position: map.transform_point3(position), attenuation }

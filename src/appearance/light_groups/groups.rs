@@ -45,7 +45,7 @@ mod tests {
     fn switched_at(second: i128) -> GroupWeight {
         let key = |time: i128, value| Key { time: Time::from_integer(time), value, ease: Ease::Step };
         let track = Track::new(vec![key(0, false), key(second, true)], Repeat::Hold, false).expect("a track");
-        GroupWeight { on: Some(Animated::Keyed(track)), ..GroupWeight::default() }
+        GroupWeight { on: Some(Animated::Keyed(track).into()), ..GroupWeight::default() }
     }
 
     #[test]

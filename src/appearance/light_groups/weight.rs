@@ -4,7 +4,7 @@ use crate::base::color::Rgb;
 use crate::base::digest::Content;
 use crate::base::time::Time;
 use crate::film::LayerId;
-use crate::track::Animated;
+use crate::track::{Animated, Switch};
 use bevy_ecs::component::Component;
 
 /// Radiance without a position, as of ambient light or fog: the constant part, and the layer that the keyed part
@@ -36,14 +36,14 @@ impl GroupRadiance {
 /// The keyed factors of a light: its switch, its intensity and its colour. A factor without keys is `None`.
 #[derive(Clone, Component, Debug, Default, PartialEq)]
 pub struct GroupWeight {
-    pub on: Option<Animated<bool>>,
+    pub on: Option<Switch>,
     pub intensity: Option<Animated<f64>>,
     pub color: Option<Animated<Rgb>>,
 }
 
 impl GroupWeight {
     /// Splits a switch, an intensity and a colour into the product of the constant factors and the keyed factors.
-    pub fn split(on: &Animated<bool>, intensity: &Animated<f64>, color: &Animated<Rgb>) -> (Rgb, Self) {
+    pub fn split(on: &Switch, intensity: &Animated<f64>, color: &Animated<Rgb>) -> (Rgb, Self) {
         fn keyed<T: Clone>(value: &Animated<T>) -> Option<Animated<T>> {
             matches!(value, Animated::Keyed(_)).then(|| value.clone())
         }
@@ -55,13 +55,16 @@ impl GroupWeight {
             radiance *= *intensity as f32;
         }
         // If a factor is 0 or off at every key, it is so between the keys as well, whatever the easing.
-        let never = on.values().all(|on| !on)
+        let never = on.is_never_on()
             || intensity.values().all(|intensity| *intensity <= 0.0)
             || color.values().all(|color| *color == Rgb::ZERO);
         if never {
             return (Rgb::ZERO, Self::default());
         }
-        (radiance, Self { on: keyed(on), intensity: keyed(intensity), color: keyed(color) })
+        (
+            radiance,
+            Self { on: on.is_keyed().then(|| on.clone()), intensity: keyed(intensity), color: keyed(color) },
+        )
     }
 
     pub fn is_constant(&self) -> bool {

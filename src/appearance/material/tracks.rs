@@ -172,7 +172,7 @@ impl MaterialTracks {
     pub fn emission_split(&self) -> (Rgb, GroupWeight) {
         let white = Animated::Constant(Rgb::ONE);
         let tint = if let TextureTracks::Color(color) = &self.emission.tint { color } else { &white };
-        GroupWeight::split(&Animated::Constant(true), &self.emission.strength, tint)
+        GroupWeight::split(&true.into(), &self.emission.strength, tint)
     }
 }
 

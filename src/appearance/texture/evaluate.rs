@@ -138,7 +138,8 @@ impl Texture {
             Self::Image(texture) => texture.alpha && texture.image.has_alpha(),
             Self::Pattern(texture) => texture.first.has_alpha() || texture.second.has_alpha(),
             Self::Product(texture) => texture.first.has_alpha() || texture.second.has_alpha(),
-            Self::Cutout(texture) => texture.texture.has_alpha(),
+            // No alpha reaches a cutoff above 1.
+            Self::Cutout(texture) => texture.cutoff > 1.0 || texture.texture.has_alpha(),
         }
     }
 

@@ -91,7 +91,7 @@ impl TextureTracks {
                 }
             }
             Self::Cutout(texture, cutoff) => match texture.at(time) {
-                texture if texture.has_alpha() => {
+                texture if texture.has_alpha() || *cutoff > 1.0 => {
                     Texture::Cutout(Box::new(CutoutTexture { texture, cutoff: *cutoff }))
                 }
                 texture => texture,
@@ -147,7 +147,7 @@ impl TextureTracks {
             Self::Image(tracks) => tracks.alpha && tracks.image.has_alpha(),
             Self::Pattern(tracks) => tracks.first.has_alpha() || tracks.second.has_alpha(),
             Self::Product(factors) => factors.iter().any(Self::has_alpha),
-            Self::Cutout(texture, _) => texture.has_alpha(),
+            Self::Cutout(texture, cutoff) => texture.has_alpha() || *cutoff > 1.0,
         }
     }
 }

@@ -23,7 +23,9 @@ pub use error::{UNIT_ROUNDOFF, difference_of_products, dot_plus, gamma};
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 pub use ray::{LaneRay, Ray};
 pub use root::{Function, root_between};
-pub use rotation::{NotRigid, ROUNDED, axis_angle, euler_xyz, rotation_and_scale, slerp};
+pub use rotation::{
+    NotRigid, ROUNDED, axis_angle, euler_xyz, orthonormal, rotation_and_scale, slerp, unit_quaternion,
+};
 pub use turn::{cos_sin_of_quarters, cos_sin_of_turns};
 pub use up::UpAxis;
 

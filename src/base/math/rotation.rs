@@ -15,6 +15,22 @@ pub fn euler_xyz(x: Angle, y: Angle, z: Angle) -> DMat3 {
     axis_angle(DVec3::Z, z) * axis_angle(DVec3::Y, y) * axis_angle(DVec3::X, x)
 }
 
+/// A quaternion (x, y, z, w) of any length above 0 as one of length 1; none if it is zero. Scaled first, so that its
+/// length neither underflows nor overflows.
+pub fn unit_quaternion(parts: [f64; 4]) -> Option<DQuat> {
+    let largest = parts.iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
+    (largest > 0.0).then(|| DQuat::from_array(parts.map(|part| part / largest)).normalize())
+}
+
+/// The rotation that turns z to the z axis of a matrix, and y to the side on which its y axis is (Gram-Schmidt). The
+/// identity if these have no direction.
+pub fn orthonormal(matrix: DMat3) -> DMat3 {
+    let Some(z) = matrix.z_axis.try_normalize() else { return DMat3::IDENTITY };
+    let beside = matrix.y_axis.try_normalize().and_then(|y| (y - z * z.dot(y)).try_normalize());
+    let Some(y) = beside else { return DMat3::IDENTITY };
+    DMat3::from_cols(y.cross(z), y, z)
+}
+
 /// Spherical interpolation along the shorter arc; `s` = 0 gives `a`, 1 gives ±`b`.
 ///
 /// The angle is atan2 of the chord lengths |b - a| and |b + a| (Kahan). This keeps full relative accuracy for nearly
@@ -109,6 +125,27 @@ mod tests {
                 let turned = angle_between(start, q);
                 assert!((turned - s * angle).abs() <= 1e-12 + 1e-9 * angle, "{angle} {s}: {turned}");
             }
+        }
+    }
+
+    #[test]
+    fn quaternions_of_any_length_are_rotations() {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        for length in [1e-300, 1e-20, 1.0, 3.0, 1e300] {
+            let found = unit_quaternion([0.0, length, 0.0, length]).expect("a rotation");
+            assert!((found - DQuat::from_xyzw(0.0, half, 0.0, half)).length() < 1e-15, "{length}");
+        }
+        assert_eq!(unit_quaternion([0.0; 4]), None);
+    }
+
+    #[test]
+    fn orthonormal_matrices_are_rotations() {
+        let turned = axis_angle(DVec3::Y, Angle(90.0));
+        assert_eq!(orthonormal(turned), turned);
+        let flat = DMat3::from_cols(DVec3::ZERO, DVec3::new(0.0, 3.0, 4.0), DVec3::new(0.0, 0.0, 2.0));
+        assert_eq!(orthonormal(flat), DMat3::IDENTITY);
+        for lost in [DMat3::ZERO, DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Z)] {
+            assert_eq!(orthonormal(lost), DMat3::IDENTITY);
         }
     }
 

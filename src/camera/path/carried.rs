@@ -1,7 +1,7 @@
 //! A camera that an object carries.
 
 use super::pose::Pose;
-use crate::base::math::{DAffine3, DVec3};
+use crate::base::math::DAffine3;
 use crate::base::time::{Clock, Time};
 use std::fmt::{Debug, Formatter};
 use std::sync::Arc;
@@ -11,21 +11,21 @@ use std::sync::Arc;
 pub struct CarriedPath {
     /// The index of the object.
     pub object: usize,
-    /// The map from the object to the world.
+    /// The object's origin and its axes in the world: a rotation and a translation.
     place: Arc<dyn Fn(Time) -> DAffine3 + Send + Sync>,
 }
 
 impl CarriedPath {
+    /// `place` gives a rotation and a translation.
     pub fn new(object: usize, place: impl Fn(Time) -> DAffine3 + Send + Sync + 'static) -> Self {
         Self { object, place: Arc::new(place) }
     }
 
-    /// The target is at distance 1. Scales of the object have no effect.
+    /// The target is at distance 1.
     pub fn apply(&self, pose: Pose, clock: &Clock) -> Pose {
         let place = (self.place)(clock.time);
-        let direction = |v: DVec3| (place.matrix3 * v).normalize_or_zero();
         let position = place.translation;
-        Pose { position, target: position + direction(DVec3::NEG_Z), up: direction(DVec3::Y), ..pose }
+        Pose { position, target: position - place.matrix3.z_axis, up: place.matrix3.y_axis, ..pose }
     }
 }
 

@@ -6,6 +6,7 @@
 use super::GltfResult;
 use super::buffers::Buffers;
 use super::json::Item;
+use crate::base::lists::either;
 use crate::base::machine;
 use crate::geometry::mesh::MeshError;
 
@@ -34,6 +35,18 @@ impl Number {
             5126 => Self::F32,
             _ => return None,
         })
+    }
+
+    /// Its code and its name in the specification.
+    fn name(self) -> &'static str {
+        match self {
+            Self::I8 => "5120 (byte)",
+            Self::U8 => "5121 (unsigned byte)",
+            Self::I16 => "5122 (short)",
+            Self::U16 => "5123 (unsigned short)",
+            Self::U32 => "5125 (unsigned int)",
+            Self::F32 => "5126 (float)",
+        }
     }
 
     fn size(self) -> usize {
@@ -119,7 +132,8 @@ impl<'a> Accessor<'a> {
             }
             None => None,
         };
-        let sparse = item.get("sparse").map(|item| Sparse::new(&item, buffers, size, count)).transpose()?;
+        let sparse =
+            item.object("sparse")?.map(|item| Sparse::new(&item, buffers, size, count)).transpose()?;
         let normalized = item.flag("normalized", false)?;
         Ok(Self { index, count: count as usize, components, number, normalized, dense, sparse })
     }
@@ -129,7 +143,7 @@ impl<'a> Accessor<'a> {
         (self.number, self.normalized, self.components)
     }
 
-    fn error(&self, why: impl std::fmt::Display) -> MeshError {
+    pub fn error(&self, why: impl std::fmt::Display) -> MeshError {
         MeshError::new(format!("accessors[{}]: {why}", self.index))
     }
 
@@ -169,13 +183,21 @@ impl<'a> Accessor<'a> {
         }
     }
 
-    /// All elements as whole numbers.
-    pub fn whole(&self) -> GltfResult<Vec<u32>> {
-        if self.components != 1 || !matches!(self.number, Number::U8 | Number::U16 | Number::U32) {
-            return Err(self.error("indices are scalars of an unsigned type"));
+    /// All elements as whole numbers of one of the types `allowed`; `what` names them in messages.
+    ///
+    /// # Errors
+    /// Another type, normalised numbers, another number of components, and too little memory.
+    pub fn whole<const N: usize>(&self, what: &str, allowed: &[Number]) -> GltfResult<Vec<[u32; N]>> {
+        if !allowed.contains(&self.number) {
+            let names: Vec<_> = allowed.iter().map(|number| number.name()).collect();
+            let names = either(names);
+            return Err(self.error(format!("{what} have the component type {names}")));
+        }
+        if self.normalized {
+            return Err(self.error(format!("{what} are whole numbers, but it is `normalized`")));
         }
         // Every number of 32 bits is exact in f64.
-        Ok(self.elements::<1>()?.into_iter().map(|[number]| number as u32).collect())
+        Ok(self.elements::<N>()?.into_iter().map(|numbers| numbers.map(|number| number as u32)).collect())
     }
 }
 

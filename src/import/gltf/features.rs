@@ -2,6 +2,7 @@
 
 use super::GltfResult;
 use super::json::Item;
+use crate::base::escape;
 use crate::base::lists::{listed, shortened};
 use crate::base::units::counted;
 use crate::geometry::mesh::MeshError;
@@ -28,10 +29,15 @@ const FOLLOWED: [&str; 13] = [
 /// Checks the version of the file, and that the reader has every extension that it needs.
 pub fn check(root: &Item<'_>) -> GltfResult<()> {
     let asset = root.required("asset")?;
-    let version = asset.text("minVersion")?.or(asset.text("version")?);
-    let version = version.ok_or_else(|| asset.error("it has no `version`"))?;
-    if version.split('.').next() != Some("2") {
-        return Err(asset.error(format!("it is of version {version:?} of glTF; Kinora reads version 2")));
+    let version = asset.text("version")?.ok_or_else(|| asset.error("it has no `version`"))?;
+    // Files of a later minor version can be read as 2.0, unless they say which version they need.
+    let (least, is_read) = match asset.text("minVersion")? {
+        Some(least) => (least, least == "2.0"),
+        None => (version, version.split('.').next() == Some("2")),
+    };
+    if !is_read {
+        let version = shortened(least);
+        return Err(asset.error(format!("it is of version {version:?} of glTF; Kinora reads version 2.0")));
     }
     let unknown = |name: &&str| !FOLLOWED.contains(name) && !is_of_materials(name);
     let needed: Vec<_> = root.texts("extensionsRequired")?.into_iter().filter(unknown).collect();
@@ -44,7 +50,7 @@ pub fn check(root: &Item<'_>) -> GltfResult<()> {
 
 /// A name of the file for messages.
 fn cleaned(name: &str) -> String {
-    shortened(name).replace(char::is_control, "_")
+    escape::line(&shortened(name)).into_owned()
 }
 
 /// Extensions of materials change how a surface looks, not how the file is read. So they may be left out.
@@ -75,10 +81,13 @@ impl LeftOut {
     }
 
     /// Notes the extensions of a material that are not followed.
-    pub fn note_material(&mut self, material: &Item<'_>) {
-        for name in material.keys("extensions").filter(|name| !FOLLOWED.contains(name)) {
+    pub fn note_material(&mut self, material: &Item<'_>) -> GltfResult<()> {
+        let extensions = material.object("extensions")?;
+        let names = extensions.iter().flat_map(Item::members);
+        for name in names.filter(|name| !FOLLOWED.contains(name)) {
             self.note(cleaned(name), "material");
         }
+        Ok(())
     }
 
     /// All notes, such as "normal textures of 3 materials".

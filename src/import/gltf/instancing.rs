@@ -4,8 +4,7 @@ use super::GltfResult;
 use super::accessor::Accessor;
 use super::buffers::Buffers;
 use super::json::Item;
-use super::rotation::unit;
-use crate::base::math::{DQuat, DVec3};
+use crate::base::math::{DQuat, DVec3, unit_quaternion};
 
 /// The extension.
 pub const INSTANCING: &str = "EXT_mesh_gpu_instancing";
@@ -27,9 +26,12 @@ pub fn instances(root: &Item<'_>, item: &Item<'_>, buffers: &Buffers<'_>) -> Glt
     };
     let (translations, rotations, scales) =
         (accessor("TRANSLATION")?, accessor("ROTATION")?, accessor("SCALE")?);
-    let given = [&translations, &rotations, &scales].into_iter().flatten();
-    let counts: Vec<usize> = given.map(|accessor| accessor.count).collect();
-    let count = counts.first().copied().unwrap_or(0);
+    // Attributes that a program has made up say the number of instances as well.
+    let counts: Vec<usize> = attributes
+        .members()
+        .map(|name| Ok(accessor(name)?.map_or(0, |accessor| accessor.count)))
+        .collect::<GltfResult<_>>()?;
+    let Some(&count) = counts.first() else { return Err(attributes.error("there are no attributes")) };
     if counts.iter().any(|other| *other != count) {
         return Err(attributes.error("its attributes differ in their number of instances"));
     }
@@ -43,8 +45,8 @@ pub fn instances(root: &Item<'_>, item: &Item<'_>, buffers: &Buffers<'_>) -> Glt
     };
     let (translations, scales) = (vectors(translations, 0.0)?, vectors(scales, 1.0)?);
     let instance = |((translation, rotation), scale): (([f64; 3], [f64; 4]), [f64; 3])| {
-        let rotation =
-            unit(rotation).ok_or_else(|| attributes.error("a rotation is zero, which is no rotation"))?;
+        let rotation = unit_quaternion(rotation)
+            .ok_or_else(|| attributes.error("a rotation is zero, which is no rotation"))?;
         let (translation, scale) = (DVec3::from_array(translation), DVec3::from_array(scale));
         Ok(GltfInstance { translation, rotation, scale })
     };

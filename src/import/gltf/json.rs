@@ -5,7 +5,7 @@ use crate::geometry::mesh::MeshError;
 use serde_json::Value;
 
 /// Maximum absolute value of a number, as in sequences: squares and products must not overflow.
-const LARGEST: f64 = 1e30;
+pub const LARGEST: f64 = 1e30;
 
 /// A value and its path from the root of the file.
 #[derive(Clone)]
@@ -25,29 +25,48 @@ impl<'a> Item<'a> {
     }
 
     /// A member, if there is one.
-    pub fn get(&self, key: &str) -> Option<Self> {
+    fn get(&self, key: &str) -> Option<Self> {
         let value = self.value.get(key).filter(|value| !value.is_null())?;
         Some(Self { value, path: self.path_of(key) })
     }
 
-    /// A member that must exist.
+    /// Whether there is a member.
+    pub fn has(&self, key: &str) -> bool {
+        self.get(key).is_some()
+    }
+
+    /// A member that is an object, if there is one.
+    pub fn object(&self, key: &str) -> GltfResult<Option<Self>> {
+        self.get(key).map(Self::into_object).transpose()
+    }
+
+    fn into_object(self) -> GltfResult<Self> {
+        if self.value.is_object() { Ok(self) } else { Err(self.error("expected an object, as { ... }")) }
+    }
+
+    /// A member that must exist, and is an object.
     pub fn required(&self, key: &str) -> GltfResult<Self> {
-        self.get(key).ok_or_else(|| self.error(format!("it has no `{key}`")))
+        self.object(key)?.ok_or_else(|| self.error(format!("it has no `{key}`")))
     }
 
     /// An extension of this object.
-    pub fn extension(&self, name: &str) -> Option<Self> {
-        self.get("extensions")?.get(name)
+    pub fn extension(&self, name: &str) -> GltfResult<Option<Self>> {
+        let Some(extensions) = self.object("extensions")? else { return Ok(None) };
+        extensions.object(name)
     }
 
-    /// The names of the members of a member.
-    pub fn keys(&self, key: &str) -> impl Iterator<Item = &'a str> + use<'a> {
-        let members = self.value.get(key).and_then(Value::as_object);
-        members.into_iter().flat_map(|members| members.keys().map(String::as_str))
+    /// The names of the members.
+    pub fn members(&self) -> impl Iterator<Item = &'a str> + use<'a> {
+        self.value.as_object().into_iter().flat_map(|members| members.keys().map(String::as_str))
+    }
+
+    /// The entries of a list of objects; none if there is no such member.
+    pub fn list(&self, key: &str) -> GltfResult<Vec<Self>> {
+        self.entries(key)?.into_iter().map(Self::into_object).collect()
     }
 
     /// The entries of a list; none if there is no such member.
-    pub fn list(&self, key: &str) -> GltfResult<Vec<Self>> {
+    fn entries(&self, key: &str) -> GltfResult<Vec<Self>> {
         let Some(member) = self.get(key) else { return Ok(Vec::new()) };
         let entries = member.value.as_array().ok_or_else(|| member.error("expected a list"))?;
         let entry = |(index, value)| Self { value, path: format!("{}[{index}]", member.path) };
@@ -63,7 +82,7 @@ impl<'a> Item<'a> {
     pub fn entry(&self, key: &str, index: usize) -> GltfResult<Self> {
         let path = format!("{}[{index}]", self.path_of(key));
         match self.value.get(key).and_then(|list| list.get(index)) {
-            Some(value) => Ok(Self { value, path }),
+            Some(value) => Self { value, path }.into_object(),
             None => Err(self.error(format!("there is no {path}"))),
         }
     }
@@ -145,13 +164,13 @@ impl<'a> Item<'a> {
             let checked = usize::try_from(index).ok().filter(|index| *index < count);
             checked.ok_or_else(|| missing(&entry.path, index, (list, count)))
         };
-        self.list(key)?.into_iter().map(index).collect()
+        self.entries(key)?.into_iter().map(index).collect()
     }
 
     /// A list of texts.
     pub fn texts(&self, key: &str) -> GltfResult<Vec<&'a str>> {
         let text = |entry: Self| entry.value.as_str().ok_or_else(|| entry.error("expected a text"));
-        self.list(key)?.into_iter().map(text).collect()
+        self.entries(key)?.into_iter().map(text).collect()
     }
 
     fn read<T>(
@@ -175,6 +194,13 @@ impl<'a> Item<'a> {
     pub fn error(&self, why: impl AsRef<str>) -> MeshError {
         let why = why.as_ref();
         MeshError::new(if self.path.is_empty() { why.to_owned() } else { format!("{}: {why}", self.path) })
+    }
+}
+
+/// The path.
+impl std::fmt::Display for Item<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.path)
     }
 }
 

@@ -101,7 +101,7 @@ mod tests {
                 (value - f64::from(seconds)).abs() <= 0.5e-9f64.max(f64::from(seconds) * 6e-8),
                 "{seconds}"
             );
-            assert!(exact_time(seconds.next_up()).expect("a time") >= time);
+            assert!(exact_time(seconds.next_up()).expect("a time") > time, "{seconds}");
         }
         assert_eq!(exact_time(0.0), Some(Time::from_integer(0)));
         assert_eq!([-1.0, f32::NAN, 1.1e9, f32::INFINITY].map(exact_time), [None; 4]);

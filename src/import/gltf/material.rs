@@ -2,7 +2,7 @@
 
 use super::GltfResult;
 use super::features::LeftOut;
-use super::json::Item;
+use super::json::{Item, LARGEST};
 use super::texture::{GltfTexture, texture};
 use crate::base::math::DVec3;
 
@@ -101,7 +101,7 @@ pub fn materials(root: &Item<'_>, left_out: &mut LeftOut) -> GltfResult<Vec<Gltf
 
 fn material(root: &Item<'_>, item: &Item<'_>, left_out: &mut LeftOut) -> GltfResult<GltfMaterial> {
     let mut given = GltfMaterial { name: item.name()?, ..Default::default() };
-    if let Some(pbr) = item.get("pbrMetallicRoughness") {
+    if let Some(pbr) = item.object("pbrMetallicRoughness")? {
         given.base = pbr.color("baseColorFactor", [1.0; 4])?;
         given.base_texture = texture((root, &pbr), "baseColorTexture", left_out)?;
         given.metallic = pbr.share("metallicFactor", 1.0)?;
@@ -116,11 +116,14 @@ fn material(root: &Item<'_>, item: &Item<'_>, left_out: &mut LeftOut) -> GltfRes
         Some("BLEND") => AlphaMode::Blend,
         Some(_) => return Err(item.error("its `alphaMode` is none of OPAQUE, MASK and BLEND")),
     };
-    if let Some(strength) = item.extension("KHR_materials_emissive_strength") {
+    if let Some(strength) = item.extension("KHR_materials_emissive_strength")? {
         given.emissive *= strength.not_negative("emissiveStrength", 1.0)?;
+        if given.emissive.max_element() > LARGEST {
+            return Err(item.error("its `emissiveFactor` times its `emissiveStrength` is above 1e30"));
+        }
     }
-    given.unlit = item.extension("KHR_materials_unlit").is_some();
-    if let Some(ior) = item.extension("KHR_materials_ior") {
+    given.unlit = item.extension("KHR_materials_unlit")?.is_some();
+    if let Some(ior) = item.extension("KHR_materials_ior")? {
         given.ior = ior.not_negative("ior", 1.5)?;
         // 0 stands for a surface that reflects everything at grazing angles only.
         if given.ior < 1.0 {
@@ -129,21 +132,25 @@ fn material(root: &Item<'_>, item: &Item<'_>, left_out: &mut LeftOut) -> GltfRes
         }
     }
     transmission(item, &mut given, left_out)?;
-    note_what_is_left(item, &given, left_out);
+    note_what_is_left(item, &given, left_out)?;
     Ok(given)
 }
 
 fn transmission(item: &Item<'_>, given: &mut GltfMaterial, left_out: &mut LeftOut) -> GltfResult<()> {
-    if let Some(passing) = item.extension("KHR_materials_transmission") {
+    if let Some(passing) = item.extension("KHR_materials_transmission")? {
         given.transmission = passing.share("transmissionFactor", 0.0)?;
-        if passing.get("transmissionTexture").is_some() && given.transmission > 0.0 {
+        if passing.has("transmissionTexture") && given.transmission > 0.0 {
             left_out.note("transmission textures", "material");
         }
         if given.transmission > 0.0 && given.roughness > 0.0 {
             left_out.note("the blur of rough transmission", "material");
         }
+        // Metal passes no light, but the image may say that only some of the surface is metal.
+        if given.transmission > 0.0 && given.metallic > 0.0 && given.metallic_roughness_texture.is_some() {
+            left_out.note("transmission where an image says what is metal", "material");
+        }
     }
-    if let Some(volume) = item.extension("KHR_materials_volume") {
+    if let Some(volume) = item.extension("KHR_materials_volume")? {
         let color = DVec3::from_array(volume.color("attenuationColor", [1.0; 3])?);
         let distance = volume.not_negative("attenuationDistance", f64::INFINITY)?;
         let distance = if distance > 0.0 { distance } else { f64::INFINITY };
@@ -153,13 +160,13 @@ fn transmission(item: &Item<'_>, given: &mut GltfMaterial, left_out: &mut LeftOu
     Ok(())
 }
 
-fn note_what_is_left(item: &Item<'_>, given: &GltfMaterial, left_out: &mut LeftOut) {
-    if !given.unlit && item.get("normalTexture").is_some() {
+fn note_what_is_left(item: &Item<'_>, given: &GltfMaterial, left_out: &mut LeftOut) -> GltfResult<()> {
+    if !given.unlit && item.has("normalTexture") {
         left_out.note("normal textures", "material");
     }
     let wanted = given.coordinates();
     if given.textures().any(|texture| texture.coordinates != wanted) {
         left_out.note("second texture coordinates", "material");
     }
-    left_out.note_material(item);
+    left_out.note_material(item)
 }

@@ -8,8 +8,10 @@ use super::material::GltfMaterial;
 use super::node::GltfNode;
 use super::primitive::{Primitive, Topology, primitive};
 use crate::base::color::Rgb;
+use crate::base::lists::shortened;
 use crate::base::machine;
 use crate::base::math::{DVec2, DVec3};
+use crate::base::units::counted;
 use crate::geometry::mesh::build::has_area;
 use crate::geometry::mesh::deform::{Deformer, Influence, MorphTarget};
 use crate::geometry::mesh::{Corners, MeshData, TriangleMesh};
@@ -23,7 +25,11 @@ pub struct GltfMesh {
     /// Empty if it has none.
     pub name: String,
     pub mesh: Arc<TriangleMesh>,
+    /// Whether no triangle has an area at rest. Then `mesh` takes the place of what the deformer makes of it.
+    pub is_flat: bool,
     pub material: MeshMaterial,
+    /// All materials of its triangles, ascending.
+    pub materials: Vec<usize>,
     /// What deforms the mesh: morph targets, and joints if a node has a skin for them.
     pub deformer: Option<Arc<Deformer>>,
     /// The weights of the morph targets, unless a node has others.
@@ -110,21 +116,30 @@ fn mesh(
         let material = part.index("material", ("materials", none))?.unwrap_or(none);
         let read = primitive((root, &part), buffers, (topology, materials[material].coordinates()))?;
         materials[material].vertex_colors |= !read.colors.is_empty();
-        if read.has_alpha {
-            left_out.note("alpha of vertex colours", "primitive");
+        for (what, is_there) in [
+            ("alpha of vertex colours", read.has_alpha),
+            ("joints beyond the fourth set", read.has_more_joints),
+        ] {
+            if is_there {
+                left_out.note(what, "primitive");
+            }
         }
         merged.push(read, material).ok_or_else(|| item.error("it has more than 4294967295 vertices"))?;
     }
     let (data, mut used, deformation) = merged.finish();
-    let is_visible = data
+    let (joints, targets) = (deformation.joints(), deformation.targets.len());
+    let is_deformed = joints > 0 || targets > 0;
+    let is_flat = !data
         .triangles
         .iter()
         .any(|triangle| has_area(triangle.map(|vertex| data.positions[vertex as usize])));
-    if !is_visible {
+    let stand_in = if is_flat && is_deformed { stand_in(&data) } else { None };
+    if is_flat && stand_in.is_none() {
         left_out.note("surfaces without an area", "mesh");
         return Ok(None);
     }
-    meter.start(format!("building the tree of mesh {name:?}"), 0);
+    let named = if name.is_empty() { item.to_string() } else { format!("{:?}", shortened(&name)) };
+    meter.start(format!("building the tree of mesh {named}"), 0);
     used.sort_unstable();
     used.dedup();
     let (material, slots) = match used[..] {
@@ -132,12 +147,41 @@ fn mesh(
         _ => (MeshMaterial::Slots, data.slots),
     };
     let data = MeshData { slots, ..data };
-    let (joints, targets) = (deformation.joints(), deformation.targets.len());
-    let deformer = (joints > 0 || targets > 0).then(|| Arc::new(deformation.deformer(data.clone())));
+    let deformer = is_deformed.then(|| Arc::new(deformation.deformer(data.clone())));
     let mut weights = item.real_list("weights")?;
+    check_weights(item, weights.len(), targets)?;
     weights.resize(targets, 0.0);
+    let data = stand_in.unwrap_or(data);
     let mesh = load::build(data).map_err(|error| item.error(error.to_string()))?;
-    Ok(Some(GltfMesh { name, mesh: Arc::new(mesh), material, deformer, weights, joints }))
+    let mesh = Arc::new(mesh);
+    Ok(Some(GltfMesh { name, mesh, is_flat, material, materials: used, deformer, weights, joints }))
+}
+
+/// Checks the number of weights of a mesh, or of a node that shows it. There may be none.
+pub fn check_weights(item: &Item<'_>, weights: usize, targets: usize) -> GltfResult<()> {
+    if weights == 0 || weights == targets {
+        return Ok(());
+    }
+    let (weights, targets) = (counted(weights as u64, "weight"), counted(targets as u64, "morph target"));
+    Err(item.error(format!("it has {weights} for {targets}")))
+}
+
+/// The number of morph targets of a mesh, the largest of its primitives.
+pub fn morph_targets(mesh: &Item<'_>) -> GltfResult<usize> {
+    Ok(mesh.list("primitives")?.iter().map(|part| part.len_of("targets")).max().unwrap_or(0))
+}
+
+/// A mesh of one triangle with an area, in place of a mesh that has none before it is deformed. None if no triangle has
+/// three vertices: then nothing gives it an area.
+fn stand_in(data: &MeshData) -> Option<MeshData> {
+    let differ = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+    let face = data.triangles.iter().position(differ)?;
+    let mut positions = vec![DVec3::ZERO; data.positions.len()];
+    let triangle = data.triangles[face];
+    for (vertex, corner) in triangle.into_iter().zip([DVec3::ZERO, DVec3::X, DVec3::Y]) {
+        positions[vertex as usize] = corner;
+    }
+    Some(MeshData { positions, triangles: vec![triangle], slots: Vec::new(), ..data.clone() })
 }
 
 /// Primitives in one mesh. Attributes that only some primitives have are filled up.

@@ -20,8 +20,9 @@ mod material;
 mod mesh;
 mod node;
 mod primitive;
-mod rotation;
 mod skin;
+#[cfg(test)]
+mod strict_tests;
 #[cfg(test)]
 mod tests;
 mod texture;
@@ -42,10 +43,12 @@ use super::LoadProgress;
 use crate::base::escape;
 use crate::base::files::{self, Root};
 use crate::base::machine;
+use crate::base::math::DVec3;
 use crate::geometry::mesh::MeshError;
 use buffers::Buffers;
 use features::LeftOut;
 use json::Item;
+use std::collections::HashSet;
 use std::path::Path;
 use uri::Resources;
 
@@ -108,10 +111,44 @@ fn read(bytes: &[u8], resources: &Resources<'_>, meter: &LoadProgress) -> GltfRe
     let cameras = camera::cameras(&root)?;
     let lights = light::lights(&root)?;
     let animations = animation::animations(&root, &buffers, &mut left_out)?;
-    let nodes = node::nodes(&root, &buffers)?;
+    let mut nodes = node::nodes(&root, &buffers)?;
     let meshes = mesh::meshes(&root, &buffers, &nodes, (&mut materials, &mut left_out), meter)?;
     let skins = skin::skins(&root, &buffers, &nodes)?;
     skin::check(&root, &nodes, &meshes, &skins)?;
+    check_nodes(&root, &mut nodes, (&meshes, &animations), &mut left_out)?;
     let left_out = left_out.listed();
     Ok(GltfScene { skins, nodes, meshes, materials, images, cameras, lights, animations, left_out })
+}
+
+/// Checks the weights of nodes, and notes what nodes do not show.
+fn check_nodes(
+    root: &Item<'_>,
+    nodes: &mut [GltfNode],
+    (meshes, animations): (&[Option<GltfMesh>], &[GltfAnimation]),
+    left_out: &mut LeftOut,
+) -> GltfResult<()> {
+    let channels = animations.iter().flat_map(|animation| &animation.channels);
+    let scaled: HashSet<usize> = channels
+        .filter_map(|channel| if let GltfTarget::Scale(node) = channel.target { Some(node) } else { None })
+        .collect();
+    // Whether nodes or those below them show a mesh. Parents come first.
+    let mut shows: Vec<bool> = nodes.iter().map(|node| node.mesh.is_some()).collect();
+    for at in (0..nodes.len()).rev() {
+        if let Some(parent) = nodes[at].parent.filter(|_| shows[at]) {
+            shows[parent] = true;
+        }
+    }
+    for (node, shows) in nodes.iter_mut().zip(shows) {
+        if shows && node.scale.cmpeq(DVec3::ZERO).any() && !scaled.contains(&node.index) {
+            left_out.note("surfaces flattened by a scale of 0", "node");
+        }
+        let Some(mesh) = node.mesh.and_then(|mesh| meshes[mesh].as_ref()) else { continue };
+        let targets = mesh.deformer.as_ref().map_or(0, |deformer| deformer.targets());
+        mesh::check_weights(&root.entry("nodes", node.index)?, node.weights.len(), targets)?;
+        // Joints place a skinned mesh, so its node has no other places for it.
+        if mesh.joints > 0 && node.skin.is_some() && node.instances.take().is_some() {
+            left_out.note("instances of skinned meshes", "node");
+        }
+    }
+    Ok(())
 }

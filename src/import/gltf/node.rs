@@ -5,8 +5,7 @@ use super::buffers::Buffers;
 use super::instancing::{GltfInstance, INSTANCING, instances};
 use super::json::Item;
 use super::light::LIGHTS;
-use super::rotation::unit;
-use crate::base::math::{DMat3, DQuat, DVec3, NotRigid, rotation_and_scale};
+use crate::base::math::{DMat3, DQuat, DVec3, NotRigid, rotation_and_scale, unit_quaternion};
 
 /// A node of the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,16 +97,16 @@ fn node(
     (index, parent): (usize, Option<usize>),
 ) -> GltfResult<GltfNode> {
     let (translation, rotation, scale) = place(item)?;
-    let lights = root.extension(LIGHTS).map_or(0, |lights| lights.len_of("lights"));
-    let light = match item.extension(LIGHTS) {
+    let lights = root.extension(LIGHTS)?.map_or(0, |lights| lights.len_of("lights"));
+    let light = match item.extension(LIGHTS)? {
         Some(light) => light.index("light", ("lights", lights))?,
         None => None,
     };
-    let visible = match item.extension("KHR_node_visibility") {
+    let visible = match item.extension("KHR_node_visibility")? {
         Some(visibility) => visibility.flag("visible", true)?,
         None => true,
     };
-    let instances = item.extension(INSTANCING).map(|item| instances(root, &item, buffers)).transpose()?;
+    let instances = item.extension(INSTANCING)?.map(|item| instances(root, &item, buffers)).transpose()?;
     Ok(GltfNode {
         index,
         name: item.name()?,
@@ -133,8 +132,8 @@ fn place(item: &Item<'_>) -> GltfResult<(DVec3, DQuat, DVec3)> {
     let translation = DVec3::from_array(item.numbers("translation")?.unwrap_or([0.0; 3]));
     let scale = DVec3::from_array(item.numbers("scale")?.unwrap_or([1.0; 3]));
     let rotation = item.numbers("rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-    let rotation =
-        unit(rotation).ok_or_else(|| item.error("its `rotation` is zero, which is no rotation"))?;
+    let rotation = unit_quaternion(rotation)
+        .ok_or_else(|| item.error("its `rotation` is zero, which is no rotation"))?;
     Ok((translation, rotation, scale))
 }
 
@@ -145,14 +144,62 @@ fn decomposed(matrix: &[f64; 16]) -> Result<(DVec3, DQuat, DVec3), String> {
     if [matrix[3], matrix[7], matrix[11], matrix[15]] != [0.0, 0.0, 0.0, 1.0] {
         return Err("the last row of its `matrix` is not 0, 0, 0, 1".to_owned());
     }
-    let [x, y, z] = columns;
-    let (rotation, scale) = rotation_and_scale(DMat3::from_cols(x, y, z)).map_err(|why| match why {
-        NotRigid::Flat => "its `matrix` flattens space".to_owned(),
+    let lengths = DVec3::from_array(columns.map(DVec3::length));
+    let (rotation, scale) = rotation_and_scale(completed(columns)).map_err(|why| match why {
+        NotRigid::Flat => "a column of its `matrix` is shorter than 1e-30 or longer than 1e30".to_owned(),
         NotRigid::Sheared(angle) => {
             format!("its `matrix` shears: two of its columns meet at {angle:.4} degrees, not at 90")
         }
     })?;
     // Lengths near 1 are exact in a file, unlike in a table of rounded numbers.
-    let lengths = DVec3::from_array(columns.map(DVec3::length));
     Ok((column(3), rotation, lengths * if scale.x < 0.0 { -1.0 } else { 1.0 }))
+}
+
+/// The matrix of these columns. Columns of 0, which hide what the node shows, become unit vectors at right angles to the
+/// others, so that the rotation is known.
+fn completed(columns: [DVec3; 3]) -> DMat3 {
+    let is_zero = columns.map(|column| column == DVec3::ZERO);
+    let mut columns = columns;
+    if is_zero == [true; 3] {
+        return DMat3::IDENTITY;
+    }
+    for axis in (0..3).filter(|axis| is_zero[*axis]) {
+        let (next, last) = (columns[(axis + 1) % 3], columns[(axis + 2) % 3]);
+        // With two such columns, the other one of them is 0 still.
+        let any = if next == DVec3::ZERO { last } else { next };
+        let across = next.normalize_or_zero().cross(last.normalize_or_zero());
+        columns[axis] = across.try_normalize().unwrap_or_else(|| any.normalize().any_orthonormal_vector());
+    }
+    let [x, y, z] = columns;
+    DMat3::from_cols(x, y, z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::math::DAffine3;
+    use crate::testing::Random;
+
+    /// A matrix with columns of 0 is the same as a rotation and a scale with zeros.
+    #[test]
+    fn flat_matrices_have_a_rotation_and_a_scale() {
+        let mut random = Random(17);
+        for flat in 0..8 {
+            let rotation = DQuat::from_axis_angle(random.point(1.0).normalize(), random.unit());
+            let scale = DVec3::from_array(
+                [1, 2, 4].map(|bit| if flat & bit != 0 { 0.0 } else { 1.0 + random.unit() }),
+            );
+            let translation = random.point(1.0);
+            let matrix = DAffine3::from_scale_rotation_translation(scale, rotation, translation);
+            let columns = matrix.matrix3.to_cols_array_2d().into_iter().chain([translation.to_array()]);
+            let rows = columns.zip([0.0, 0.0, 0.0, 1.0]).flat_map(|([x, y, z], w)| [x, y, z, w]);
+            let matrix: Vec<f64> = rows.collect();
+            let (at, turn, size) = decomposed(&std::array::from_fn(|i| matrix[i])).expect("a place");
+            let found = DMat3::from_quat(turn) * DMat3::from_diagonal(size);
+            let expected = DMat3::from_quat(rotation) * DMat3::from_diagonal(scale);
+            assert!(found.abs_diff_eq(expected, 1e-12), "{flat}: {found} {expected}");
+            assert_eq!((at, size.cmpeq(DVec3::ZERO)), (translation, scale.cmpeq(DVec3::ZERO)));
+            assert!((turn.length() - 1.0).abs() < 1e-12);
+        }
+    }
 }

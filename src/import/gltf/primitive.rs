@@ -19,6 +19,8 @@ pub struct Primitive {
     pub colors: Vec<Rgb>,
     /// Whether a vertex colour has alpha below 1.
     pub has_alpha: bool,
+    /// Whether there are more sets of joints than Kinora reads.
+    pub has_more_joints: bool,
     pub targets: Vec<MorphTarget>,
     /// The joints of each vertex, four for each set of joints and weights; empty if there are none.
     pub influences: Vec<Vec<Influence>>,
@@ -98,7 +100,10 @@ pub fn primitive(
         None => (Vec::new(), false),
     };
     let vertices = match item.index("indices", accessors)? {
-        Some(index) => Accessor::new(root, buffers, index)?.whole()?,
+        Some(index) => {
+            let indices = Accessor::new(root, buffers, index)?;
+            indices.whole::<1>("indices", &[Number::U8, Number::U16, Number::U32])?.into_flattened()
+        }
         None => (0..u32::try_from(count).unwrap_or(u32::MAX)).collect(),
     };
     if let Some(wrong) = vertices.iter().find(|vertex| **vertex as usize >= count) {
@@ -111,6 +116,7 @@ pub fn primitive(
     let targets = targets.iter().map(|target| morph_target((root, target), buffers, count));
     let targets = targets.collect::<GltfResult<_>>()?;
     let influences = influences(|name| of_vertices(name), count)?;
+    let has_more_joints = attributes.has(&format!("JOINTS_{MOST_SETS}"));
     Ok(Primitive {
         targets,
         influences,
@@ -121,6 +127,7 @@ pub fn primitive(
         uvs: uvs.into_iter().map(|[u, v]| DVec2::new(u, 1.0 - v)).collect(),
         colors,
         has_alpha,
+        has_more_joints,
     })
 }
 
@@ -156,14 +163,14 @@ fn influences<'a>(
     for set in 0..MOST_SETS {
         let (joints, weights) = (attribute(&format!("JOINTS_{set}"))?, attribute(&format!("WEIGHTS_{set}"))?);
         let (Some(joints), Some(weights)) = (joints, weights) else { break };
-        let (joints, weights) = (joints.elements::<4>()?, weights.elements::<4>()?);
+        let joints = joints.whole::<4>("joints", &[Number::U8, Number::U16])?;
+        let weights = weights.elements::<4>()?;
         all.resize(count, Vec::new());
         for ((vertex, joints), weights) in all.iter_mut().zip(joints).zip(weights) {
             let pairs = joints.into_iter().zip(weights);
             // Joints are at most 65535.
             vertex.extend(
-                pairs
-                    .map(|(joint, weight)| Influence { joint: joint as u16, weight: weight.max(0.0) as f32 }),
+                pairs.map(|(joint, weight)| Influence { joint: joint as u16, weight: weight.max(0.0) }),
             );
         }
     }
@@ -173,7 +180,13 @@ fn influences<'a>(
 /// Linear vertex colours of 0 or more, and whether any has alpha below 1.
 fn colors(accessor: &Accessor<'_>) -> GltfResult<(Vec<Rgb>, bool)> {
     let color = |[r, g, b]: [f64; 3]| DVec3::new(r, g, b).max(DVec3::ZERO).as_vec3();
-    if let (Number::F32 | Number::U8 | Number::U16, _, 4) = accessor.layout() {
+    let (number, _, width) = accessor.layout();
+    if !matches!(number, Number::F32 | Number::U8 | Number::U16) {
+        return Err(accessor.error(
+            "colours have the component type 5126 (float), 5121 (unsigned byte) or 5123 (unsigned short)",
+        ));
+    }
+    if width == 4 {
         let colors = accessor.elements::<4>()?;
         let has_alpha = colors.iter().any(|[.., alpha]| *alpha < 1.0);
         return Ok((colors.into_iter().map(|[r, g, b, _]| color([r, g, b])).collect(), has_alpha));

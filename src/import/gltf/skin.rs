@@ -6,14 +6,15 @@ use super::buffers::Buffers;
 use super::json::Item;
 use super::mesh::GltfMesh;
 use super::node::GltfNode;
-use crate::base::math::{DAffine3, DMat3, DVec3};
+use crate::base::math::{DAffine3, DMat3, DVec3, ROUNDED};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// The joints of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GltfSkin {
     /// Each joint as an index into the nodes of the scene, with the map from the mesh at rest into its node.
-    pub joints: Vec<(usize, DAffine3)>,
+    pub joints: Arc<[(usize, DAffine3)]>,
 }
 
 /// The largest number of joints: vertices name theirs with 16 bits.
@@ -39,14 +40,23 @@ pub fn skins(
         if rest.len() < joints.len() {
             return Err(item.error(format!("it has {} matrices for {} joints", rest.len(), joints.len())));
         }
+        if let Some(at) = rest.iter().take(joints.len()).position(|matrix| !has_last_row(matrix)) {
+            return Err(item.error(format!("the last row of its inverse bind matrix {at} is not 0, 0, 0, 1")));
+        }
         let placed =
             joints.iter().zip(&rest).map(|(joint, matrix)| Some((*places.get(joint)?, affine(matrix))));
-        Ok(placed.collect::<Option<Vec<_>>>().map(|joints| GltfSkin { joints }))
+        Ok(placed.collect::<Option<Arc<[_]>>>().map(|joints| GltfSkin { joints }))
     };
     root.list("skins")?.iter().map(skin).collect()
 }
 
 const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+/// Whether the last row of a matrix is (0, 0, 0, 1), up to rounding.
+fn has_last_row(matrix: &[f64; 16]) -> bool {
+    let last = [3, 7, 11, 15].map(|at: usize| matrix[at]);
+    last.into_iter().zip([0.0, 0.0, 0.0, 1.0]).all(|(found, exact)| (found - exact).abs() <= ROUNDED)
+}
 
 /// A matrix that is written column by column. Its last row is (0, 0, 0, 1).
 fn affine(matrix: &[f64; 16]) -> DAffine3 {

@@ -230,7 +230,7 @@ fn wrong_files_have_a_message_with_their_place() {
         "it needs `KHR_draco_mesh_compression`, which Kinora does not read; export it without"
     );
     let old = fault(Fixture::with(json!({ "asset": { "version": "1.0" } })));
-    assert_eq!(old, "asset: it is of version \"1.0\" of glTF; Kinora reads version 2");
+    assert_eq!(old, "asset: it is of version \"1.0\" of glTF; Kinora reads version 2.0");
     assert!(scene(b"{ nothing").expect_err("no JSON").to_string().starts_with("its JSON is wrong: "));
     assert_eq!(scene(b"{}").expect_err("no file").to_string(), "it has no `asset`");
 }

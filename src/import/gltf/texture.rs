@@ -26,7 +26,7 @@ pub fn texture(
     key: &str,
     left_out: &mut LeftOut,
 ) -> GltfResult<Option<GltfTexture>> {
-    let Some(info) = material.get(key) else { return Ok(None) };
+    let Some(info) = material.object(key)? else { return Ok(None) };
     let index = info.index("index", ("textures", root.len_of("textures")))?;
     let index = index.ok_or_else(|| info.error("it has no `index`"))?;
     let item = root.entry("textures", index)?;
@@ -40,7 +40,7 @@ pub fn texture(
     };
     let mut coordinates = info.whole("texCoord")?.unwrap_or(0);
     let mut transform = None;
-    if let Some(item) = info.extension("KHR_texture_transform") {
+    if let Some(item) = info.extension("KHR_texture_transform")? {
         coordinates = item.whole("texCoord")?.unwrap_or(coordinates);
         transform = self::transform(&item)?;
     }

@@ -1,9 +1,13 @@
 //! Files and data that a glTF file names by URIs.
 
 use crate::base::files::{self, Root};
+use crate::base::lists::shortened;
+use crate::base::machine;
 use base64::Engine;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
+use std::borrow::Cow;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Base64 with or without padding.
@@ -19,33 +23,54 @@ pub struct Resources<'a> {
 }
 
 impl Resources<'_> {
-    /// The bytes of a data URI, or of a file of at most `limit` bytes.
-    pub fn bytes(&self, uri: &str, limit: u64) -> Result<Vec<u8>, String> {
-        if let Some(data) = data(uri) {
-            return data;
-        }
-        files::read(&self.path(uri)?, limit).map_err(|error| files::describe(&error))
-    }
-
     /// The path of a file.
     pub fn path(&self, uri: &str) -> Result<PathBuf, String> {
         if uri.split_once(':').is_some_and(|(scheme, _)| scheme.len() > 1 && !scheme.contains('/')) {
             return Err("its `uri` is neither a relative path nor a data URI".to_owned());
         }
         let name = decoded(uri).ok_or("its `uri` is no UTF-8 text after percent-decoding")?;
+        let path = self.folder.join(&name);
+        // Pipes and folders are refused here, where their names are known.
         self.root
-            .admit(&self.folder.join(&name))
-            .map_err(|error| format!("cannot read {name:?}: {}", files::describe(&error)))
+            .admit(&path)
+            .and_then(|path| files::open(&path, u64::MAX).map(|_| path))
+            .map_err(|error| format!("cannot read {:?}: {}", shortened(&name), files::describe(&error)))
     }
 }
 
-/// The bytes of a data URI; none if it is no data URI.
-pub fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
-    let rest = uri.strip_prefix("data:")?;
-    let Some((_, text)) = rest.split_once(";base64,") else {
-        return Some(Err("its data URI is not in base64".to_owned()));
+/// The first `length` bytes of a file, or all of a shorter one.
+pub fn start_of(path: &Path, length: usize) -> Result<Vec<u8>, String> {
+    let read = || {
+        let (file, size) = files::open(path, u64::MAX)?;
+        machine::check_memory(size.min(length as u64))?;
+        let mut bytes = Vec::new();
+        file.take(length as u64).read_to_end(&mut bytes)?;
+        Ok(bytes)
     };
-    Some(BASE64.decode(text).map_err(|error| format!("its data URI is wrong: {error}")))
+    read().map_err(|error| files::describe(&error))
+}
+
+/// The part of a data URI behind `data:`. The names of schemes have no case.
+fn behind_scheme(uri: &str) -> Option<&str> {
+    const SCHEME: &str = "data:";
+    uri.get(..SCHEME.len()).filter(|scheme| scheme.eq_ignore_ascii_case(SCHEME))?;
+    uri.get(SCHEME.len()..)
+}
+
+/// Whether a URI is a data URI.
+pub fn is_data(uri: &str) -> bool {
+    behind_scheme(uri).is_some()
+}
+
+/// The bytes of a data URI (RFC 2397); none if it is no data URI.
+pub fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
+    let (kind, text) = behind_scheme(uri)?.split_once(',').unwrap_or_default();
+    if !kind.rsplit_once(';').is_some_and(|(_, encoding)| encoding.eq_ignore_ascii_case("base64")) {
+        return Some(Err("its data URI is not in base64".to_owned()));
+    }
+    let text =
+        if text.contains('%') { decoded(text).map_or(Cow::Borrowed(text), Cow::Owned) } else { text.into() };
+    Some(BASE64.decode(&*text).map_err(|error| format!("its data URI is wrong: {error}")))
 }
 
 /// A text without percent-encoding (RFC 3986, section 2.1).
@@ -87,10 +112,14 @@ mod tests {
 
     #[test]
     fn data_is_base64_with_or_without_padding() {
-        for text in ["data:application/octet-stream;base64,AAEC/w==", "data:;base64,AAEC/w"] {
+        for text in [
+            "data:application/octet-stream;base64,AAEC/w==",
+            "data:;base64,AAEC/w",
+            "DATA:application/octet-stream;charset=x;BASE64,AAEC%2Fw%3D%3D",
+        ] {
             assert_eq!(data(text).expect("data").expect("base64"), [0, 1, 2, 255]);
         }
-        assert!(data("a.bin").is_none());
+        assert!(data("a.bin").is_none() && !is_data("dat") && !is_data("datä:;base64,AA"));
         assert!(data("data:,text").expect("data").is_err());
         assert!(data("data:;base64,A*").expect("data").is_err());
     }

@@ -6,6 +6,7 @@ use crate::base::time::Timeline;
 use crate::sequence::fault::Fault;
 use crate::sequence::names::Names;
 use crate::sequence::node::Node;
+use crate::sequence::placement::shown_by;
 use crate::sequence::{Named, Object};
 
 /// Objects and materials.
@@ -30,10 +31,10 @@ impl<'a> SceneNames<'a> {
         }
     }
 
-    /// The index of the object with the quoted name.
+    /// The index of the object with the quoted name; of a node whose mesh joints place, that of its mesh.
     pub fn object(&self, node: Node<'_>) -> Option<usize> {
-        self.parts?;
-        self.objects.index(node)
+        let (objects, _) = self.parts?;
+        self.objects.index(node).map(|index| shown_by(objects, index))
     }
 
     pub fn object_at(&self, index: usize) -> Option<&'a Object> {

@@ -2,7 +2,7 @@
 
 use super::nodes::SceneNode;
 use crate::appearance::light::LightTracks;
-use crate::base::math::{DQuat, DVec3};
+use crate::base::math::{DQuat, DVec3, unit_quaternion};
 use crate::base::time::Time;
 use crate::geometry::transform::Rotation;
 use crate::import::gltf::{GltfChannel, GltfScene, GltfTarget, Interpolation};
@@ -56,8 +56,10 @@ impl<'a> Channels<'a> {
         self.set(GltfTarget::Translation(index), &mut object.transform.translation, vector, vector);
         self.set(GltfTarget::Scale(index), &mut object.transform.scale, vector, vector);
         if let Rotation::Quaternion(rotation) = &mut object.transform.rotation {
-            let quaternion = |v: &[f64]| DQuat::from_slice(v);
-            self.set(GltfTarget::Rotation(index), rotation, |v| unit(quaternion(v)), quaternion);
+            // Tangents have any length.
+            let tangent = |v: &[f64]| DQuat::from_slice(v);
+            let value = |v: &[f64]| v.try_into().ok().and_then(unit_quaternion).unwrap_or(DQuat::IDENTITY);
+            self.set(GltfTarget::Rotation(index), rotation, value, tangent);
         }
         let is_visible = |v: &[f64]| v.iter().any(|number| *number != 0.0);
         self.set(GltfTarget::Visible(index), &mut object.visible, is_visible, is_visible);
@@ -110,6 +112,7 @@ impl<'a> Channels<'a> {
             Interpolation::Cubic => self.curves(channel, tangent),
             _ => Vec::new(),
         };
+        drop_earlier(&mut keys, &mut curves);
         if self.playback.repeat != Repeat::Hold {
             self.fill(&mut keys, &mut curves, end);
         }
@@ -159,7 +162,34 @@ impl<'a> Channels<'a> {
     }
 }
 
-/// The unit quaternion of a key; no rotation if it is zero.
-fn unit(rotation: DQuat) -> DQuat {
-    if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY }
+/// Of keys at the same time, keeps the last one. Times of fast animations are rounded, so keys may meet.
+fn drop_earlier<T>(keys: &mut Vec<Key<T>>, curves: &mut Vec<[T; 2]>) {
+    let is_kept: Vec<bool> =
+        (0..keys.len()).map(|at| keys.get(at + 1).is_none_or(|next| next.time > keys[at].time)).collect();
+    if is_kept.iter().all(|kept| *kept) {
+        return;
+    }
+    // The curve from one key to the next one goes with the former.
+    let mut kept = is_kept.iter();
+    curves.retain(|_| *kept.next().unwrap_or(&true));
+    let mut kept = is_kept.iter();
+    keys.retain(|_| *kept.next().unwrap_or(&true));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_keys_at_one_time_the_last_one_stays() {
+        let key = |(time, value)| Key { time: Time::from_integer(time), value, ease: Ease::Linear };
+        let mut keys: Vec<Key<f64>> = [(0, 0.0), (1, 1.0), (1, 2.0), (1, 3.0), (2, 4.0)].map(key).into();
+        let mut curves = vec![[0.0, 0.5], [1.0, 1.5], [2.0, 2.5], [3.0, 3.5]];
+        drop_earlier(&mut keys, &mut curves);
+        assert_eq!(keys, [(0, 0.0), (1, 3.0), (2, 4.0)].map(key));
+        assert_eq!(curves, [[0.0, 0.5], [3.0, 3.5]]);
+        let mut none: [Vec<Key<f64>>; 1] = [vec![key((0, 1.0)), key((1, 1.0))]];
+        drop_earlier(&mut none[0], &mut Vec::new());
+        assert_eq!(none[0].len(), 2);
+    }
 }

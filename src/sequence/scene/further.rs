@@ -8,10 +8,11 @@ use crate::geometry::transform::{Rotation, TransformTracks};
 use crate::import::gltf::GltfScene;
 use crate::sequence::deformations::DeformationDraft;
 use crate::track::Animated;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// Deforms the meshes of nodes by morph targets and skins. A skinned mesh becomes an object of its own below that of the
-/// scene, because only its joints place it. `first` is the index of the first node's object.
+/// scene, because only its joints place it; it is visible with its node. `first` is the index of the first node's object.
 pub fn add_deformations(
     scene: &GltfScene,
     channels: &Channels<'_>,
@@ -26,21 +27,24 @@ pub fn add_deformations(
         let mut weights: Vec<Animated<f64>> = (0..deformer.targets()).map(weight).collect();
         channels.animate_weights(node.index, &mut weights);
         let skin = node.skin.filter(|_| mesh.joints > 0).and_then(|skin| scene.skins[skin].as_ref());
-        let joints = skin.map_or(Vec::new(), |skin| skin.joints.clone());
+        let joints = skin.map_or_else(|| Arc::from([]), |skin| Arc::clone(&skin.joints));
         if joints.is_empty() && weights.iter().all(|weight| *weight == Animated::Constant(0.0)) {
+            if mesh.is_flat {
+                objects[index].shape = Shape::Group;
+            }
             continue;
         }
-        let deformation = Some(DeformationDraft { deformer: Arc::clone(deformer), weights, joints });
+        let deformation = Some(Rc::new(DeformationDraft { deformer: Arc::clone(deformer), weights, joints }));
         if skin.is_none() {
             objects[index].deformation = deformation;
             continue;
         }
         let own = &mut objects[index];
-        let (shape, visible) = (std::mem::replace(&mut own.shape, Shape::Group), own.visible.clone());
+        let shape = std::mem::replace(&mut own.shape, Shape::Group);
         let name = names.take(format!("{}/skin", own.name));
         let (material, transform) = (NodeMaterial::Of(index), TransformTracks::default());
-        let parent = (first > 0).then_some(0);
-        objects.push(SceneNode { name, parent, shape, material, transform, visible, deformation });
+        let (parent, visible, skin_of) = ((first > 0).then_some(0), true.into(), Some(index));
+        objects.push(SceneNode { name, parent, shape, material, transform, visible, deformation, skin_of });
     }
 }
 
@@ -65,6 +69,7 @@ pub fn add_instances(scene: &GltfScene, first: usize, objects: &mut Vec<SceneNod
             },
             visible: true.into(),
             deformation: deformation.clone(),
+            skin_of: None,
         }));
     }
 }

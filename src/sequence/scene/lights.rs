@@ -6,6 +6,7 @@
 use crate::appearance::light::{Attenuation, LightKind, LightTracks};
 use crate::base::math::{Angle, DVec3};
 use crate::import::gltf::{GltfLight, GltfLightKind};
+use crate::sequence::values::LARGEST;
 use std::f64::consts::PI;
 
 /// The unit of the numbers in a file.
@@ -25,6 +26,14 @@ impl LightUnit {
 /// Attenuation never brightens. So the light of 1 / d² is `NEAR` times as strong at the distance 1 and fades by
 /// 1 / (`NEAR` d²), which is exact from the distance 1 / √`NEAR` on.
 const NEAR: f64 = 1e4;
+
+/// Whether a light is so bright that sums of its light overflow.
+pub fn is_too_bright(light: &LightTracks) -> bool {
+    let color = light.color.peak(|color| f64::from(color.abs().max_element()));
+    let intensity = light.intensity.peak(|intensity| intensity.abs());
+    // False for numbers that are none, too.
+    !(color <= LARGEST && intensity <= LARGEST && color * intensity <= LARGEST)
+}
 
 /// What an intensity of 1 of a light in a file comes to.
 pub fn factor(kind: GltfLightKind, unit: LightUnit) -> f64 {

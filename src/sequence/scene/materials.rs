@@ -12,8 +12,9 @@ use crate::sequence::fault::Fault;
 use crate::sequence::material_description::{LobeDescription, MaterialDescription, MeshMaterials};
 use crate::sequence::node::Node;
 use crate::sequence::suggest::shortened;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
+use std::path::PathBuf;
 use std::rc::Rc;
 
 /// The materials of a scene with their names, then the one of meshes without a material. Returns None if an image
@@ -21,11 +22,17 @@ use std::rc::Rc;
 pub fn materials(node: Node<'_>, place: &Range<usize>, scene: &GltfScene) -> Option<MeshMaterials> {
     let mut images = Images { node, place, scene, read: HashMap::new() };
     // Reads all of them, so that every wrong image is reported.
-    let all: Vec<_> = scene
-        .materials
-        .iter()
-        .map(|material| Some((material.name.clone(), described(material, &mut images)?)))
-        .collect();
+    let shown: HashSet<usize> =
+        scene.meshes.iter().flatten().flat_map(|mesh| mesh.materials.iter().copied()).collect();
+    let described = |(index, material): (usize, &GltfMaterial)| {
+        // Nothing shows the others, so their images need not be read.
+        let description = match shown.contains(&index) {
+            true => described(material, &mut images)?,
+            false => MaterialDescription::bare(),
+        };
+        Some((material.name.clone(), description))
+    };
+    let all: Vec<_> = scene.materials.iter().enumerate().map(described).collect();
     all.into_iter().collect::<Option<Vec<_>>>().map(Rc::from)
 }
 
@@ -34,16 +41,34 @@ struct Images<'a> {
     node: Node<'a>,
     place: &'a Range<usize>,
     scene: &'a GltfScene,
-    read: HashMap<(usize, ColorEncoding), Option<SharedAsset<Image>>>,
+    read: HashMap<(ImageKey, ColorEncoding), Option<SharedAsset<Image>>>,
+}
+
+/// What is the same for images of the same bytes.
+#[derive(PartialEq, Eq, Hash)]
+enum ImageKey {
+    File(PathBuf),
+    /// The address of bytes, which images share.
+    Given(*const u8),
+}
+
+impl ImageKey {
+    fn of(bytes: &ImageBytes) -> Self {
+        match bytes {
+            ImageBytes::File(path) => Self::File(path.clone()),
+            ImageBytes::Given(bytes) => Self::Given(bytes.as_ptr()),
+        }
+    }
 }
 
 impl Images<'_> {
     fn image(&mut self, index: usize, encoding: ColorEncoding) -> Option<SharedAsset<Image>> {
-        if let Some(known) = self.read.get(&(index, encoding)) {
+        let key = (ImageKey::of(&self.scene.images[index].bytes), encoding);
+        if let Some(known) = self.read.get(&key) {
             return known.clone();
         }
         let image = self.decoded(index, encoding);
-        self.read.insert((index, encoding), image.clone());
+        self.read.insert(key, image.clone());
         image
     }
 

@@ -115,6 +115,12 @@ pub fn scene(
     let replaced = fields.optional("override", |node| overrides(node, name, materials, &mut parts));
     fields.finish();
     replaced?;
+    if let Some((index, _)) = lights.iter().find(|(_, light)| lights::is_too_bright(light)) {
+        let title = format!("the light of `{}` is too bright", shortened(&nodes[*index].name));
+        let label = "its color times its intensity is above 1e30 in Kinora's units";
+        node.fault(Fault::new(place, title, label));
+        return None;
+    }
     further::add_deformations(&file.scene, &channels, (first, &mut nodes), names);
     further::add_instances(&file.scene, first, &mut nodes, names);
     note_left_out(node, &file);

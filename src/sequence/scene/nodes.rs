@@ -9,6 +9,7 @@ use crate::import::gltf::{GltfMesh, GltfNode, GltfScene, MeshMaterial};
 use crate::sequence::deformations::DeformationDraft;
 use crate::sequence::object::MaterialSource;
 use crate::track::Animated;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// A node as an object.
@@ -22,7 +23,9 @@ pub struct SceneNode {
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
     /// What deforms its mesh.
-    pub deformation: Option<DeformationDraft>,
+    pub deformation: Option<Rc<DeformationDraft>>,
+    /// The index in the scene of the node whose mesh this is, if joints place the mesh.
+    pub skin_of: Option<usize>,
 }
 
 /// The material of a node's mesh.
@@ -63,6 +66,7 @@ pub fn nodes(scene: &GltfScene, name: &str, up: UpAxis, names: &mut UniqueNames)
             transform,
             visible: node.visible.into(),
             deformation: None,
+            skin_of: None,
         }
     };
     let mut all: Vec<SceneNode> = turn.into_iter().collect();
@@ -87,6 +91,7 @@ fn upright(name: String) -> SceneNode {
         transform: TransformTracks { rotation, ..TransformTracks::default() },
         visible: true.into(),
         deformation: None,
+        skin_of: None,
     }
 }
 

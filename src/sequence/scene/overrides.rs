@@ -103,7 +103,7 @@ fn light(fields: &mut Fields<'_>, light: &mut LightTracks, factor: f64) -> Optio
     let intensity = fields.optional("intensity", keyed(not_negative));
     let (on, color, intensity) = (on?, color?, intensity?);
     if let Some(on) = on {
-        light.on = on;
+        light.on = on.into();
     }
     if let Some(color) = color {
         light.color = color;

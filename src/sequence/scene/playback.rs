@@ -8,9 +8,12 @@ use crate::sequence::fields::Fields;
 use crate::sequence::keys::key_time;
 use crate::sequence::node::Node;
 use crate::sequence::suggest::listed;
-use crate::sequence::values::{exact_number, list, switch, text};
+use crate::sequence::values::{exact_number, is_number, list, switch, text, whole};
 use crate::sequence::words::{report_unknown, word};
 use crate::track::Repeat;
+
+/// More animations than messages name.
+const MOST_NAMES: usize = 100;
 
 /// The latest time of a key in seconds.
 const LATEST: i128 = 1_000_000_000;
@@ -39,8 +42,8 @@ pub fn playing(fields: &mut Fields<'_>, scene: Option<&GltfScene>) -> Option<Pla
     let animations = chosen?.unwrap_or_else(|| match names.as_deref() {
         Some([_]) => vec![0],
         Some(names @ [_, _, ..]) => {
-            let names = listed(names.iter().copied());
-            let note = format!("the scene stands still; its animations are {names}; `animation` names one");
+            let note =
+                format!("the scene stands still; its animations are {}; `animation` chooses", choices(names));
             fields.node().file.warn(place.start, note);
             Vec::new()
         }
@@ -57,21 +60,46 @@ pub fn playing(fields: &mut Fields<'_>, scene: Option<&GltfScene>) -> Option<Pla
     Some(Playing { animations, playback })
 }
 
-/// A name, a list of names, `All` or `Off`.
+/// The names of animations. Those without a name, or with one that stands for another, have their numbers.
+fn choices(names: &[&str]) -> String {
+    let is_unique = |index: usize| !names[index].is_empty() && !names[..index].contains(&names[index]);
+    let name = |index: usize| if is_unique(index) { names[index].to_owned() } else { index.to_string() };
+    // Of long lists, a few names are shown.
+    let shown: Vec<String> = (0..names.len().min(MOST_NAMES)).map(name).collect();
+    listed(shown.iter().map(String::as_str).chain(names.iter().skip(MOST_NAMES).copied()))
+}
+
+/// A name or a number, a list of these, `All` or `Off`.
 fn chosen(node: Node<'_>, names: Option<&[&str]>) -> Option<Vec<usize>> {
     if node.opens_with('[') {
-        let lists = list(node, "names of animations", |node| named(node, names))?;
+        let lists = list(node, "names of animations", |node| one(node, names))?;
         return Some(lists.concat());
     }
-    if node.is_text() {
-        return named(node, names);
+    if node.is_text() || is_number(node) {
+        return one(node, names);
     }
     if node.word().is_empty() {
-        node.expected("the name of an animation in quotes, a list of names, `All` or `Off`");
+        node.expected("the name of an animation in quotes, its number, a list of these, `All` or `Off`");
         return None;
     }
     let all = word(node, "choice of animations", &[("All", true), ("Off", false)])?;
     Some(if all { (0..names.map_or(0, <[_]>::len)).collect() } else { Vec::new() })
+}
+
+/// The animation of this name or number.
+fn one(node: Node<'_>, names: Option<&[&str]>) -> Option<Vec<usize>> {
+    if is_number(node) { numbered(node, names) } else { named(node, names) }
+}
+
+/// The animation of this number, counted from 0.
+fn numbered(node: Node<'_>, names: Option<&[&str]>) -> Option<Vec<usize>> {
+    // The faults of the file are already reported.
+    let Some(names) = names else { return Some(Vec::new()) };
+    let Some(last) = names.len().checked_sub(1) else {
+        node.fault(Fault::new(node.span(), "the scene has no animations", "cannot play any"));
+        return None;
+    };
+    Some(vec![whole(0..=u32::try_from(last).unwrap_or(u32::MAX))(node)? as usize])
 }
 
 /// The first animation of this name.

@@ -13,7 +13,7 @@ use serde_json::json;
 /// The positions and normals that an object shows at a time.
 fn shown(object: &Object, time: Time) -> Vec<(DVec3, DVec3)> {
     let mesh = match &object.tracks {
-        Some(ShapeTracks::Deformed(mesh)) => mesh.loaded(time).expect("a mesh"),
+        Some(ShapeTracks::Deformed(mesh)) => mesh.loaded(time).expect("in range").expect("a mesh"),
         _ => {
             let Shape::Mesh(mesh) = &object.shape else { panic!("a mesh") };
             mesh.clone()

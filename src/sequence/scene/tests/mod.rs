@@ -3,9 +3,11 @@
 mod animation;
 mod carried;
 mod deformed;
+mod limits;
 mod materials;
 mod nodes;
 mod overrides;
+mod skinned;
 
 use crate::base::math::DAffine3;
 use crate::base::time::Time;
