@@ -112,6 +112,11 @@ impl ProgressiveFilm {
         &self.lit
     }
 
+    /// The number of all layers of light, traced or not.
+    pub fn lights(&self) -> usize {
+        self.lights
+    }
+
     pub fn size(&self) -> (u32, u32) {
         self.size
     }
@@ -303,6 +308,38 @@ fn is_first(at: u32, stride: u32, size: u32) -> bool {
         1 => true,
         _ => at % stride == 1 || at % stride == 0 && at + 1 == size,
     }
+}
+
+/// The number of rays for one sample of a pixel, as the mean over each cell of `cell` x `cell` pixels, row by row.
+pub fn rays_per_sample(
+    scene: &Scene,
+    bvh: &Bvh,
+    settings: &TraceSettings,
+    random: bool,
+    cell: u32,
+    stop: &Stop,
+) -> Option<Vec<f32>> {
+    let mut pixels = PixelTracer::new(scene, bvh, settings, Moment::ONLY);
+    pixels.random = random;
+    let (width, height) = settings.size;
+    let corners: Vec<(u32, u32)> = (0..height)
+        .step_by(cell as usize)
+        .flat_map(|top| (0..width).step_by(cell as usize).map(move |left| (left, top)))
+        .collect();
+    let set = SampleSet { samples: 0..1, seed: settings.quality.seed };
+    let rays = corners.par_iter().map(|&(left, top)| {
+        if stop.signal().is_some() {
+            return 0.0;
+        }
+        let rows = top..height.min(top + cell);
+        let places: Vec<(u32, u32)> =
+            rows.flat_map(|y| (left..width.min(left + cell)).map(move |x| (x, y))).collect();
+        let mut sums = vec![DVec3::ZERO; places.len() * pixels.layers()];
+        let counts = pixels.add(&places, &set, &mut sums);
+        counts.rays.total() as f32 / places.len() as f32
+    });
+    let rays: Vec<f32> = rays.collect();
+    stop.signal().is_none().then_some(rays)
 }
 
 #[cfg(test)]
