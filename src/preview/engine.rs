@@ -409,6 +409,11 @@ impl Engine {
     }
 
     fn move_camera(&mut self, change: CameraMove) {
+        if change == CameraMove::Reset {
+            self.session.view = None;
+            self.session.note_change();
+            return;
+        }
         let change = |view: &mut ViewCamera| match change {
             CameraMove::Orbit(x, y) => view.orbit(DVec2::new(x, y)),
             CameraMove::Pan(x, y) => view.pan(DVec2::new(x, y)),
