@@ -3,6 +3,7 @@
 use super::camera::ViewCamera;
 use super::command::{CameraMove, Command, LightField};
 use super::pick::key_time;
+use super::overrides::Overrides;
 use super::playback::Playback;
 use super::render_task::RenderTask;
 use super::session::{Session, SessionOptions, Step};
@@ -148,6 +149,9 @@ impl Engine {
                     Step::Refined => {
                         if self.playback.is_none() || self.is_stale {
                             self.publish();
+                        }
+                        if self.session.has_all_pixels() {
+                            self.begin_plan();
                         }
                         continue;
                     }
@@ -314,7 +318,7 @@ impl Engine {
         (self.publish)(update);
     }
 
-    /// Makes the plan of the sequence, when there is nothing else to do.
+    /// Makes the plan of the sequence, once there is a picture.
     fn begin_plan(&mut self) {
         let generation = self.session.generation;
         let is_known = self.plan.as_ref().is_some_and(|(known, _)| *known == generation);
@@ -382,7 +386,8 @@ impl Engine {
             Command::Camera(change) => self.move_camera(change),
             Command::Reset => {
                 self.session.view = None;
-                self.session.set_overrides(Default::default());
+                let size = self.session.options.size;
+                self.session.set_overrides(Overrides { size, ..Overrides::default() });
             }
             Command::Heat(heat) => self.session.heat = heat,
             Command::Forecast => self.begin_forecast()?,

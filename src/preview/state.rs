@@ -62,7 +62,7 @@ impl Session {
         let set = &self.overrides;
         let changes = [
             ("lights", !set.lights.is_empty()),
-            ("size", set.size.is_some()),
+            ("size", set.size != self.options.size),
             ("bounces", set.bounces.is_some()),
             ("antialias", set.antialias.is_some()),
             ("samples", set.samples.is_some()),

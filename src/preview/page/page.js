@@ -150,7 +150,7 @@ function setStatus(text, bad) {
 }
 
 const digits = (value, count = 3) => Number(value).toPrecision(count).replace(/\.?0+$/, "");
-const percent = (value) => `${digits(100 * value, 2)} %`;
+const percent = (value) => `${100 * value >= 99.5 ? Math.round(100 * value) : digits(100 * value, 2)} %`;
 
 /** A time for people. */
 function duration(seconds) {
@@ -176,7 +176,11 @@ function isDone() {
 
 function describe() {
   const bad = Boolean(state.diagnostics);
-  $("diagnostics").hidden = !bad;
+  if ($("diagnostics").hidden === bad) {
+    $("diagnostics").hidden = !bad;
+    $("stage").classList.toggle("beside", bad);
+    paint();
+  }
   if (bad && $("messages").textContent !== state.diagnostics) $("messages").textContent = state.diagnostics;
   if (!bad) $("messages").textContent = "";
   if (!state.size) { setStatus(bad ? "No picture yet" : "Loading …", bad); if (bad) $("empty").hidden = true; return; }
@@ -287,7 +291,8 @@ function editor(light, index) {
   color.addEventListener("change", () => write("color", color.value));
   const on = document.createElement("button");
   on.type = "button";
-  on.textContent = "Write switch";
+  on.textContent = "Write on/off";
+  on.style.whiteSpace = "nowrap";
   on.setAttribute("aria-label", `Write the switch of ${light.name} to the file`);
   on.addEventListener("click", () => write("on", light.on));
   box.append(intensity, color, on);
@@ -382,7 +387,10 @@ function showTracks() {
     for (const line of track.lines) {
       const curve = document.createElementNS(NS, "polyline");
       const y = (value) => high > low ? 1 - (value - low) / (high - low) : 0.5;
-      curve.setAttribute("points", line.map((value, i) => `${i / (line.length - 1)},${y(value)}`).join(" "));
+      // Switches step.
+      const steps = line.every((value) => value === 0 || value === 1);
+      const corner = (i) => steps && i > 0 && line[i] !== line[i - 1] ? `${i / (line.length - 1)},${y(line[i - 1])} ` : "";
+      curve.setAttribute("points", line.map((value, i) => `${corner(i)}${i / (line.length - 1)},${y(value)}`).join(" "));
       svg.append(curve);
     }
     box.append(svg);
@@ -459,9 +467,9 @@ async function locate(names) {
   $("source-text").replaceChildren(...answer.lines.flatMap((line, index) => {
     const number = document.createElement("i"), text = document.createElement("span");
     number.textContent = String(answer.first + index).padStart(4) + "  ";
-    text.textContent = line + "\n";
+    text.textContent = line;
     if (answer.first + index === answer.line) text.className = "here";
-    return [number, text];
+    return [number, text, "\n"];
   }));
 }
 
