@@ -32,6 +32,8 @@ mod playback;
 mod render_task;
 mod server;
 mod session;
+#[cfg(test)]
+mod session_tests;
 mod stages;
 mod state;
 mod token;
