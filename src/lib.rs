@@ -32,7 +32,8 @@
 //! ```
 //!
 //! # Features
-//! `cli` (the command and farm jobs), `accuracy` (reports) and `video` (MP4) are on by default.
+//! `cli` (the command and farm jobs), `accuracy` (reports), `video` (MP4) and `preview` (the page of
+//! `kinora preview`) are on by default.
 
 // The rooms, in the order of the flow. A room may use the rooms above it, never those below. They are public for this
 // repository's tests, benches and examples; what other programs may rely on is re-exported at the end.
@@ -88,6 +89,9 @@ pub mod accuracy;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod farm;
+#[cfg(feature = "preview")]
+#[doc(hidden)]
+pub mod preview;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;

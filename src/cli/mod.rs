@@ -26,6 +26,8 @@ mod outputs;
 mod overrides;
 mod plan;
 mod poster;
+#[cfg(feature = "preview")]
+mod preview;
 mod progress;
 mod renamed_options;
 mod render;
@@ -62,6 +64,8 @@ enum Command {
     Render(render::Arguments),
     Filmstrip(filmstrip::Arguments),
     Poster(poster::Arguments),
+    #[cfg(feature = "preview")]
+    Preview(preview::Arguments),
     Assemble(assemble::Arguments),
     Turntable(turntable::Arguments),
     Check(check::Arguments),
@@ -81,6 +85,7 @@ Examples:
   kinora render sequences/hello.ron -o out/turn.mp4  a video for browsers and slides
   kinora filmstrip sequences/hello.ron               several frames in one picture
   kinora poster sequences/hello.ron                  one frame
+  kinora preview sequences/hello.ron --open          look at the sequence while you write it
   kinora turntable part.stl -o part.gif              one turn around a part, without a sequence file
   kinora check sequences/hello.ron                   report every mistake, render nothing
   kinora expand sequences/hello.ron                  print what values, templates and includes come to
@@ -122,6 +127,8 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Render(arguments) => render::run(&arguments),
         Command::Filmstrip(arguments) => filmstrip::run(&arguments),
         Command::Poster(arguments) => poster::run(&arguments),
+        #[cfg(feature = "preview")]
+        Command::Preview(arguments) => preview::run(&arguments),
         Command::Assemble(arguments) => assemble::run(&arguments),
         Command::Turntable(arguments) => turntable::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),

@@ -26,6 +26,7 @@ mod path_queue;
 mod path_reuse;
 mod pixels;
 mod pilot;
+mod progressive;
 #[cfg(test)]
 mod random_scene;
 #[cfg(test)]
@@ -52,6 +53,7 @@ pub use adaptive::{AdaptiveFrame, MIN_SAMPLES, Weightings, bytes_of_pixel};
 pub use context::is_random;
 pub use path_reuse::{BYTES_PER_POSE, FramePose, MAX_FRAMES, PathObstacle, SharedFrames};
 pub use pilot::{BlockError, PilotBlocks};
+pub use progressive::{ProgressiveFilm, Refinement, StageEnd, rays_per_sample};
 pub use settings::{Moment, TraceSettings};
 pub use view_reuse::{MAX_VIEWS, SamplePlan, SharedViews, View, bytes_of_sums, trace_views};
 

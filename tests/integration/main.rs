@@ -20,6 +20,7 @@ mod outlook;
 mod outputs;
 mod assemble;
 mod places;
+mod preview;
 mod runs;
 mod interruptions;
 mod farm;

@@ -89,7 +89,7 @@ impl Preview {
     }
 
     /// Evaluates a frame without regard to other frames of the same film.
-    pub(super) fn state(&mut self, frame: u32) -> FrameState {
+    pub fn state(&mut self, frame: u32) -> FrameState {
         let moments = self.shutter.moments(&self.timeline, frame);
         let mut found: Vec<MomentState> = Vec::with_capacity(moments.len());
         let (mut fault, mut geometry, mut rebuilds) = (None, None, 0);

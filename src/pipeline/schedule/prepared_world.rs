@@ -1,0 +1,76 @@
+//! A sequence's world with the systems up to Accelerate: what tracing needs, for those who trace in their own way.
+
+use super::frame_state::FrameState;
+use super::shutter::Shutter;
+use super::stages::{CurrentMoment, FirstError, FrameError, FrameStage, Stopwatch, accelerate};
+use super::systems::{new_world, update_schedule};
+use crate::base::time::{Clock, Timeline};
+use crate::camera::Camera;
+use crate::film::AovSet;
+use crate::film::filter::FilterSampler;
+use crate::scene::top_level::Bvh;
+use crate::scene::{Geometry, Scene, Shading, Weights};
+use crate::sequence::Sequence;
+use crate::trace::{Moment, TraceSettings};
+use crate::world::{Current, Now, ShapeUse, sky_table};
+use bevy_ecs::schedule::common_conditions::resource_changed;
+use bevy_ecs::schedule::{IntoScheduleConfigs, Schedule};
+use bevy_ecs::world::World;
+
+/// A world that is brought to moments.
+pub struct PreparedWorld {
+    world: World,
+    schedule: Schedule,
+    timeline: Timeline,
+    shutter: Shutter,
+    pub settings: TraceSettings,
+}
+
+impl PreparedWorld {
+    pub fn new(sequence: &Sequence, aovs: AovSet) -> Self {
+        let mut world = new_world(sequence);
+        world.resource_mut::<Current<Shading>>().0.sky_table = sky_table(sequence);
+        world.insert_resource(ShapeUse::Rays);
+        world.insert_resource(Current(Bvh::default()));
+        let settings = TraceSettings {
+            size: sequence.output.size,
+            quality: sequence.quality,
+            filter: FilterSampler::new(sequence.quality.filter),
+            aovs,
+        };
+        let mut schedule = update_schedule();
+        let rebuilt = accelerate.run_if(resource_changed::<Current<Geometry>>);
+        schedule.add_systems(rebuilt.in_set(FrameStage::Accelerate));
+        let (timeline, shutter) = (sequence.timeline, Shutter::new(sequence));
+        Self { world, schedule, timeline, shutter, settings }
+    }
+
+    /// The moments of a frame, or the first one only if all are equal.
+    pub fn moments(&self, state: &FrameState) -> Vec<(Clock, Moment)> {
+        let mut moments = self.shutter.moments(&self.timeline, state.frame);
+        if state.moments == 1 {
+            moments.truncate(1);
+            moments.iter_mut().for_each(|(_, moment)| *moment = Moment::ONLY);
+        }
+        moments
+    }
+
+    /// Runs the stages up to Accelerate.
+    pub fn prepare(&mut self, now: Clock, moment: Moment) -> Result<(), FrameError> {
+        self.world.insert_resource(Now(now));
+        self.world.insert_resource(CurrentMoment(moment));
+        self.world.resource_mut::<Stopwatch>().start();
+        self.schedule.run(&mut self.world);
+        self.world.clear_trackers();
+        self.world.resource_mut::<FirstError>().take()
+    }
+
+    /// The scene and its tree. None if it has no camera.
+    pub fn scene<'a>(&'a self, weights: &'a Weights) -> Option<(Scene<'a>, &'a Bvh)> {
+        let geometry = &self.world.get_resource::<Current<Geometry>>()?.0;
+        let shading = &self.world.get_resource::<Current<Shading>>()?.0;
+        let camera = self.world.get_resource::<Current<Option<Camera>>>()?.0.as_ref()?;
+        let bvh = &self.world.get_resource::<Current<Bvh>>()?.0;
+        Some((Scene { geometry, shading, weights, camera }, bvh))
+    }
+}

@@ -1,0 +1,139 @@
+//! Drives the page of `kinora preview` in a headless Chromium, and takes screenshots.
+//!
+//!     apt-get install chromium chromium-driver
+//!     cargo quick-test --test preview -- FOLDER
+//!
+//! `cargo test` leaves it out. Without a browser it says so and ends. Screenshots go to FOLDER, by default
+//! `output/preview`.
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a program that tests may panic and print"
+)]
+
+mod driver;
+
+use driver::{Driver, Preview};
+use serde_json::json;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+fn main() {
+    let folder = std::env::args().nth(1).filter(|argument| !argument.starts_with('-'));
+    let shots = PathBuf::from(folder.unwrap_or_else(|| "output/preview".to_owned()));
+    let Some(driver) = Driver::start() else {
+        println!("skipped: there is no chromium or no chromedriver (apt-get install chromium chromium-driver)");
+        return;
+    };
+    fs::create_dir_all(&shots).expect("a folder for screenshots");
+    edits(&driver, &shots);
+    controls(&driver, &shots);
+    timeline(&driver, &shots);
+    println!("ok: the page works; screenshots are in {}", shots.display());
+}
+
+fn shipped(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("sequences").join(name);
+    fs::read_to_string(path).expect("a sequence")
+}
+
+/// Saving the file shows it; mistakes stand beside the last good picture.
+fn edits(driver: &Driver, shots: &Path) {
+    let text = shipped("hello.ron");
+    let preview = Preview::start(&text, &["--edit"]);
+    driver.open(&preview.address);
+    driver.until("return $('status').textContent === 'Picture complete'");
+    driver.screenshot(&shots.join("first.png"));
+    let pixel = "return Array.from(context.getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data).join()";
+    let before = driver.run(pixel);
+    let mut times: Vec<Duration> = Vec::new();
+    for color in ["#1c8434", "#c8a040", "#8844aa", "#2090c0", "#d8341c"] {
+        driver.run(&format!("window.seen = state.generation"));
+        preview.save(&text.replace("#9cc0e0", color));
+        let start = Instant::now();
+        driver.until("return state.generation > window.seen && state.stride > 0");
+        times.push(start.elapsed());
+    }
+    println!("saved to shown in the page: {times:?}");
+    driver.until("return $('status').textContent === 'Picture complete'");
+    assert!(!before.is_null());
+    preview.save(&text.replace("Sphere(center", "Sfere(center").replace("mirror: 0.12", "miror: 0.12"));
+    driver.until("return !$('diagnostics').hidden && $('messages').textContent.includes('Sfere')");
+    driver.screenshot(&shots.join("mistake.png"));
+    preview.save(&text);
+    driver.until("return $('diagnostics').hidden && $('status').textContent === 'Picture complete'");
+    // The file is written by the page.
+    driver.run("const i = document.querySelector('#lights input[type=number]'); i.value = 0.5; i.dispatchEvent(new Event('change'))");
+    driver.until("return state.lights[0].intensity === 0.5");
+    assert_eq!(preview.text(), text.replace("(60, 90, 50)", "(60, 90, 50), intensity: 0.5"));
+    assert_eq!(driver.run("return window.faults || null"), json!(null));
+}
+
+/// Keys, mouse, maps and the split view.
+fn controls(driver: &Driver, shots: &Path) {
+    let preview = Preview::start(&shipped("glazed-orbit.ron"), &["-s", "480x480"]);
+    driver.open(&preview.address);
+    let complete = "return $('status').textContent === 'Picture complete'";
+    driver.until(complete);
+    driver.keys("r2");
+    driver.until("return state.lights[1].on === false && isSplit");
+    driver.screenshot(&shots.join("split.png"));
+    driver.keys("s2");
+    driver.until("return state.lights[1].on === true && !isSplit");
+    driver.drag((0.5, 0.5), (0.62, 0.42));
+    driver.until("return state.camera_moved");
+    driver.until(complete);
+    driver.keys("p");
+    driver.until("return state.parallel");
+    driver.until(complete);
+    driver.keys("c");
+    driver.until("return $('copied').textContent.startsWith('camera: (position: (')");
+    driver.keys("--");
+    driver.until("return state.changed.includes('bounces')");
+    driver.until(complete);
+    driver.click((0.5, 0.6));
+    driver.until("return $('pick').textContent.includes('Material')");
+    driver.screenshot(&shots.join("camera.png"));
+    driver.keys("0");
+    driver.until("return state.changed.length === 0");
+    driver.until(complete);
+    driver.keys("y");
+    driver.until("return state.heat === 'rays' && !$('scale').hidden");
+    driver.screenshot(&shots.join("rays.png"));
+    driver.keys("y?");
+    driver.until("return $('help').open");
+    driver.screenshot(&shots.join("help.png"));
+    driver.run("$('help').close()");
+    // Every control has a name.
+    let nameless = "return [...document.querySelectorAll('button, input, [role]')].filter(e => \
+        !(e.textContent.trim() || e.getAttribute('aria-label') || e.getAttribute('aria-labelledby') || \
+        (e.labels && e.labels.length) || e.id === 'toast' || e.id === 'messages' || e.id === 'status' || \
+        e.id === 'render-state')).map(e => e.outerHTML)";
+    assert_eq!(driver.run(nameless), json!([]));
+    driver.run("$('predict').click()");
+    driver.until("return $('forecast').textContent.includes('All 72 frames')");
+    driver.screenshot(&shots.join("forecast.png"));
+}
+
+/// Scrubbing, playing, keys and the plan.
+fn timeline(driver: &Driver, shots: &Path) {
+    let preview = Preview::start(&shipped("glazed-lights.ron"), &["-s", "320x240"]);
+    driver.open(&preview.address);
+    driver.until("return state.plan && $('plan').children.length > 0 && $('tracks').children.length > 0");
+    driver.keys(".");
+    driver.until("return state.frame === 1");
+    driver.run("document.querySelector('#tracks .key').click()");
+    driver.until("return !$('source').hidden && $('source-text').textContent.length > 20");
+    driver.screenshot(&shots.join("timeline.png"));
+    driver.keys(" ");
+    driver.until("return state.playing && state.frame > 12");
+    println!("plays: {} pictures/s", driver.run("return state.shown_per_second"));
+    driver.screenshot(&shots.join("playing.png"));
+    driver.keys(" ");
+    driver.until("return !state.playing");
+    // Another page takes over, and this one says so.
+    driver.run("fetch('own?page=other', { method: 'POST' })");
+    driver.until("return !$('elsewhere').hidden");
+}
