@@ -85,7 +85,7 @@ pub fn curves(sequence: &Sequence) -> Value {
     for light in &sequence.lights {
         let (label, value) = (&light.name, &light.value);
         let names = |field: &'static str| ["lights", label.as_str(), field];
-        all.add(&format!("{label} · on"), &names("on"), &value.on);
+        value.on.parts().iter().for_each(|on| all.add(&format!("{label} · on"), &names("on"), on));
         all.add(&format!("{label} · intensity"), &names("intensity"), &value.intensity);
         all.add(&format!("{label} · color"), &names("color"), &value.color);
         match &value.kind {

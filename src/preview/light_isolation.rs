@@ -28,7 +28,9 @@ pub fn isolated(mut sequence: Sequence, is_wanted: impl Fn(&str) -> bool) -> Seq
         }
         let light = &mut light.value;
         // The other value of each pair never shows. It keeps a light that is off apart from one that never shines.
-        light.on = keyed(&light.on, |on| !on, index);
+        if let Some(on) = light.on.constant() {
+            light.on = keyed(&on.into(), |on| !on, index).into();
+        }
         light.intensity = keyed(&light.intensity, |intensity| intensity + 1.0, index);
         light.color = keyed(&light.color, |color| color + Rgb::ONE, index);
     }

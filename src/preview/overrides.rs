@@ -3,7 +3,6 @@
 use crate::base::color::Rgb;
 use crate::base::time::Time;
 use crate::sequence::{LightLayers, Sequence};
-use crate::track::Animated;
 use std::collections::BTreeMap;
 
 /// Changes of the session. An absent one leaves the file's setting.
@@ -38,7 +37,7 @@ impl Overrides {
             let shared = layers.lights.iter().filter(|other| *other == layer).count() > 1;
             let tracks = &light.value;
             let keyed = tracks.color.is_keyed() && tracks.intensity.is_keyed() && layer.index() > 0;
-            if shared || !(keyed && matches!(tracks.on, Animated::Keyed(_))) {
+            if shared || !(keyed && tracks.on.is_keyed()) {
                 continue;
             }
             let intensity = tracks.intensity.at(time).max(0.0) as f32;

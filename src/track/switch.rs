@@ -33,6 +33,15 @@ impl Switch {
         self.parts.iter().all(|part| part.at(time))
     }
 
+    /// The state, if it is the same at all times.
+    pub fn constant(&self) -> Option<bool> {
+        match &*self.parts {
+            [] => Some(true),
+            [Animated::Constant(on)] => Some(*on),
+            _ => None,
+        }
+    }
+
     pub fn is_keyed(&self) -> bool {
         self.parts.iter().any(Animated::is_keyed)
     }

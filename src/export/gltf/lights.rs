@@ -72,13 +72,11 @@ impl Exporter<'_> {
             true => light.intensity.at(time).max(0.0) * factor,
             false => 0.0,
         };
-        let levels = match &light.on {
-            Animated::Constant(true) => {
-                Keys::of(&light.intensity, timeline).map(|keys| keys.scaled(factor, &[0.0]))
-            }
-            Animated::Keyed(_) if !light.intensity.is_keyed() => {
+        let levels = match light.on.parts() {
+            [] => Keys::of(&light.intensity, timeline).map(|keys| keys.scaled(factor, &[0.0])),
+            [on] if on.is_keyed() && !light.intensity.is_keyed() => {
                 let brightness = light.intensity.at(start).max(0.0) * factor;
-                Keys::of(&light.on, timeline).map(|keys| keys.scaled(brightness, &[0.0]))
+                Keys::of(on, timeline).map(|keys| keys.scaled(brightness, &[0.0]))
             }
             _ => Keys::sampled(timeline, steps, false, |time| vec![level(time)]),
         };
