@@ -182,7 +182,8 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
                 (Shape::Group, None)
             }
         };
-        objects.push(Named { name, value: Object { shape, tracks, made_of, transform, visible, rays, parent } });
+        objects
+            .push(Named { name, value: Object { shape, tracks, made_of, transform, visible, rays, parent } });
     }
     (objects, below)
 }
