@@ -39,6 +39,7 @@ const PICTURES: &[(&str, &[u32], u32)] = &[
     ("annotated-waves", &[9], 1),
     ("annotated-pendulum", &[33], 1),
     ("titles", &[40], 1),
+    ("exported-crank", &[12], 1),
     ("field-orbit", &[8], 256),
     ("field-metal", &[8], 256),
     ("field-dielectric", &[8], 256),

@@ -122,6 +122,7 @@ fn plain(material: &mut MaterialTracks) {
             *paint = TextureTracks::Color(Rgb::splat(GREY).into());
         }
     }
+    material.relief = None;
     for level in [&mut material.fuzz, &mut material.metallic, &mut material.roughness] {
         if matches!(level, ScalarTextureTracks::Textured(_)) {
             *level = ScalarTextureTracks::Constant(f64::from(GREY).into());

@@ -49,6 +49,11 @@ pub struct Origin {
 }
 
 impl Origin {
+    /// The map from the world to the space of the shape.
+    pub fn to_object(&self) -> &DAffine3 {
+        &self.to_object
+    }
+
     const EMPTY: Self = Self { shape: Shape::Group, to_object: DAffine3::IDENTITY };
 }
 

@@ -188,11 +188,12 @@ impl Search<'_> {
             return;
         }
         let (test, kind) = self.test;
-        let meets = mover.primitive.rays.has(kind) && match test {
-            MoverTest::Hit => mover.primitive.intersect_on::<L>(self.ray, self.within, None).is_some(),
-            MoverTest::Block => mover.primitive.occludes_on::<L>(self.ray, self.within, None),
-            MoverTest::Bounds => true,
-        };
+        let meets = mover.primitive.rays.has(kind)
+            && match test {
+                MoverTest::Hit => mover.primitive.intersect_on::<L>(self.ray, self.within, None).is_some(),
+                MoverTest::Block => mover.primitive.occludes_on::<L>(self.ray, self.within, None),
+                MoverTest::Bounds => true,
+            };
         if meets {
             self.frames |= mover.frames;
         }

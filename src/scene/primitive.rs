@@ -43,7 +43,8 @@ impl Finish {
 
 impl Primitive {
     /// The content of an empty slot: nothing hits it.
-    pub const EMPTY: Self = Self { shape: Shape::Group, transform: None, finish: Finish::Empty, rays: RayKinds::ALL };
+    pub const EMPTY: Self =
+        Self { shape: Shape::Group, transform: None, finish: Finish::Empty, rays: RayKinds::ALL };
 
     /// A shape transformed by `to_world`. None if that flattens it: a scale of 0 hides an object.
     pub fn new(shape: &Shape, to_world: DAffine3, finish: Finish) -> Option<Self> {

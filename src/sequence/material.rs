@@ -1,16 +1,18 @@
 //! Decodes `materials` and `default_material`.
 
 use super::colors::color;
+use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
 use super::material_description::{LobeDescription, MaterialDescription};
 use super::node::Node;
-use super::paint::paint;
+use super::paint::{image_fields, paint};
 use super::suggest::nearest;
-use super::values::{between, is_number, not_negative, one_of, positive, whole_number};
+use super::values::{between, is_number, not_negative, number, one_of, positive, whole_number};
 use super::words::{is_literal, variant};
-use crate::appearance::material::{Highlight, ScalarTextureTracks};
+use crate::appearance::material::{Highlight, ReliefTracks, ScalarTextureTracks};
 use crate::appearance::optics::Fresnel;
+use crate::appearance::texture::ColorEncoding;
 use crate::base::color::Rgb;
 use crate::track::Animated;
 
@@ -70,8 +72,10 @@ fn lobes(node: Node<'_>) -> Option<MaterialDescription> {
     let refraction = lobe(&mut fields, "refraction", "refraction_color");
     let fresnel = fields.optional("fresnel", fresnel);
     let (ior, absorption, priority) = medium(&mut fields);
+    let relief = relief(&mut fields);
     fields.finish();
     Some(MaterialDescription {
+        relief: relief?,
         color: base?,
         emission: emission?,
         ambient: ambient?,
@@ -138,12 +142,44 @@ fn medium(fields: &mut Fields<'_>) -> MediumFields {
     (ior, absorption, priority)
 }
 
+/// Decodes `bump` and `normal_map`, of which a material has one.
+fn relief(fields: &mut Fields<'_>) -> Option<Option<ReliefTracks>> {
+    let both = (fields.has("bump") && fields.has("normal_map")).then(|| fields.place("normal_map"));
+    let bump = fields.optional("bump", bump);
+    let map = fields.optional("normal_map", normal_map);
+    if let Some(place) = both {
+        let fault = Fault::new(place, "a material has either `bump` or `normal_map`", "besides `bump`");
+        fields.node().fault(fault);
+        return None;
+    }
+    Some(bump?.or(map?))
+}
+
+/// Heights: `(height: Noise(), depth: 0.05)`.
+fn bump(node: Node<'_>) -> Option<ReliefTracks> {
+    let mut fields = Fields::of(node, "`bump`")?;
+    let height = fields.required("height", paint);
+    let depth = fields.or("depth", keyed(number), 0.05);
+    fields.finish();
+    Some(ReliefTracks::Bump { height: height?, depth: depth? })
+}
+
+/// A map of normals: `"normals.png"`, or the fields of an image and `strength`.
+fn normal_map(node: Node<'_>) -> Option<ReliefTracks> {
+    let mut fields = Fields::of_or_only(node, "`normal_map`", "file")?;
+    let strength = fields.or("strength", keyed(not_negative), 1.0);
+    let map = image_fields(fields, ColorEncoding::Linear);
+    Some(ReliefTracks::NormalMap { map: map?, strength: strength? })
+}
+
 /// A diffuse surface of reflectance `color`.
 fn lambertian(node: Node<'_>) -> Option<MaterialDescription> {
     let mut fields = Fields::of(node, "`Lambertian`")?;
     let color = fields.or("color", paint, Rgb::splat(0.5));
+    let relief = relief(&mut fields);
     fields.finish();
     Some(MaterialDescription {
+        relief: relief?,
         color: Some(color?),
         diffuse: LobeDescription::of_strength(1.0),
         ..MaterialDescription::bare()
@@ -155,9 +191,11 @@ fn metal(node: Node<'_>) -> Option<MaterialDescription> {
     let mut fields = Fields::of(node, "`Metal`")?;
     let color = fields.or("color", paint, Rgb::splat(0.8));
     let fuzz = fields.or("fuzz", level, ScalarTextureTracks::Constant(0.0.into()));
+    let relief = relief(&mut fields);
     fields.finish();
     let mirror = LobeDescription { strength: Some(1.0.into()), tint: color.clone() };
     Some(MaterialDescription {
+        relief: relief?,
         color: Some(color?),
         mirror,
         fuzz: Some(fuzz?),
@@ -171,11 +209,13 @@ fn dielectric(node: Node<'_>) -> Option<MaterialDescription> {
     let color = fields.or("color", paint, Rgb::ONE);
     let model = fields.or("fresnel", fresnel, Fresnel::Exact);
     let (ior, absorption, priority) = medium(&mut fields);
+    let relief = relief(&mut fields);
     fields.finish();
     let refraction = LobeDescription { strength: Some(1.0.into()), tint: color.clone() };
     let color = Some(color?);
     let (fresnel, ior, absorption, priority) = (Some(model?), ior?, absorption?, priority?);
     Some(MaterialDescription {
+        relief: relief?,
         color,
         refraction,
         fresnel,
@@ -195,11 +235,13 @@ fn metallic_roughness(node: Node<'_>) -> Option<MaterialDescription> {
     let ambient = lobe(&mut fields, "ambient", "ambient_color");
     let emission = lobe(&mut fields, "emission", "emission_color");
     let ior = fields.optional("ior", keyed(positive));
+    let relief = relief(&mut fields);
     fields.finish();
     let (ambient, emission) = (ambient?, emission?);
     let dark =
         |lobe: LobeDescription| LobeDescription { strength: lobe.strength.or(Some(0.0.into())), ..lobe };
     Some(MaterialDescription {
+        relief: relief?,
         color: Some(color?),
         microfacet: Some(1.0.into()),
         metallic: Some(metallic?),

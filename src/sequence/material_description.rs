@@ -1,6 +1,6 @@
 //! The fields of a material in a file, before defaults apply.
 
-use crate::appearance::material::{Highlight, LobeTracks, MaterialTracks, ScalarTextureTracks};
+use crate::appearance::material::{Highlight, LobeTracks, MaterialTracks, ReliefTracks, ScalarTextureTracks};
 use crate::appearance::optics::Fresnel;
 use crate::appearance::texture::TextureTracks;
 use crate::base::color::Rgb;
@@ -31,6 +31,7 @@ pub struct MaterialDescription {
     pub ior: Option<Animated<f64>>,
     pub absorption: Option<Animated<Rgb>>,
     pub priority: Option<i32>,
+    pub relief: Option<ReliefTracks>,
 }
 
 /// The fields of a lobe that a file gives.
@@ -109,6 +110,7 @@ impl MaterialDescription {
                 .or_else(|| default.absorption.clone())
                 .unwrap_or(Rgb::ZERO.into()),
             priority: self.priority.or(default.priority).unwrap_or(0),
+            relief: self.relief.clone().or_else(|| default.relief.clone()),
             base,
         }
     }

@@ -52,12 +52,16 @@ fn vertex_color(node: Node<'_>) -> Option<TextureTracks> {
 
 /// `Image("file.png")`, or with more fields.
 fn image_paint(node: Node<'_>) -> Option<TextureTracks> {
-    let mut fields = Fields::of_or_only(node, "`Image`", "file")?;
+    image_fields(Fields::of_or_only(node, "`Image`", "file")?, ColorEncoding::Srgb)
+}
+
+/// The fields of an image whose numbers are by default in this encoding. Reports unknown fields.
+pub fn image_fields(mut fields: Fields<'_>, default: ColorEncoding) -> Option<TextureTracks> {
     let wraps = &[("Repeat", Wrap::Repeat), ("Mirror", Wrap::Mirror), ("Clamp", Wrap::Clamp)];
     let filters = &[("Bilinear", TextureFilter::Bilinear), ("Nearest", TextureFilter::Nearest)];
     let channels = &[("R", ColorChannel::R), ("G", ColorChannel::G), ("B", ColorChannel::B)];
-    let encoding = fields.or("encoding", encoding, ColorEncoding::Srgb);
-    let image = fields.required("file", image(encoding.unwrap_or_default()));
+    let encoding = fields.or("encoding", encoding, default);
+    let image = fields.required("file", image(encoding.unwrap_or(default)));
     let wrap = fields.optional("wrap", one_of("wrap", wraps));
     let filter = fields.or("filter", one_of("filter", filters), TextureFilter::Bilinear);
     let channel = fields.optional("channel", one_of("channel", channels));

@@ -82,12 +82,7 @@ impl Events {
 impl TraceContext<'_> {
     /// The first event at the place that begins at `t`: its number, or [`NO_EVENT`] if the place has only one surface.
     #[inline(never)]
-    pub fn resolve(
-        &self,
-        (ray, kind): (&Ray, RayKind),
-        (t, t_max): (f64, f64),
-        events: &mut Events,
-    ) -> u32 {
+    pub fn resolve(&self, (ray, kind): (&Ray, RayKind), (t, t_max): (f64, f64), events: &mut Events) -> u32 {
         let mut all = self.coincident_surfaces((ray, kind), (t, t_max));
         if all.len() < 2 {
             return NO_EVENT;

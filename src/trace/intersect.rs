@@ -197,7 +197,8 @@ impl SimdKernel for Intersect<'_> {
                 let others = wanted & !kind;
                 if others != 0 {
                     let mask = L::Mask::from_bits(others);
-                    let found = other_tree.intersect::<L>(geometry, &ray, within, mask, coherence, &mut stacks);
+                    let found =
+                        other_tree.intersect::<L>(geometry, &ray, within, mask, coherence, &mut stacks);
                     hits.take::<L>(first, others, &found);
                 }
             }

@@ -25,6 +25,8 @@ impl LobeSet {
     /// Fresnel's formula of a boundary; neither bit means none.
     const EXACT: Self = Self(1 << 11);
     const SCHLICK: Self = Self(1 << 12);
+    /// Textures turn the normals.
+    pub const RELIEF: Self = Self(1 << 13);
 
     /// Lobes that reflect light from light sources.
     pub const REFLECTS_LIGHTS: Self =
@@ -59,6 +61,7 @@ impl LobeSet {
             (*emission != Rgb::ZERO, Self::EMISSION),
             (*ambient != Rgb::ZERO, Self::AMBIENT),
             (!material.textures.is_empty(), Self::TEXTURED),
+            (material.has_relief(), Self::RELIEF),
         ]
         .into_iter()
         .filter(|(has, _)| *has)

@@ -189,6 +189,7 @@ mod tests {
             shininess: Exponent::new(1.0),
             fresnel: Fresnel::Off,
             medium: Medium { ior, absorption: Rgb::ZERO, priority },
+            relief: Default::default(),
         }
     }
 

@@ -85,6 +85,7 @@ fn material(random: &mut Random) -> Material {
         shininess: Exponent::new(one_of(random, &[0.0, 1.0, 32.0, 200.0, 7.5])),
         fresnel: Fresnel::Off,
         medium: Medium::EMPTY,
+        relief: Default::default(),
     }
 }
 

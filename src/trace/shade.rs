@@ -66,6 +66,9 @@ impl<F: Real> ShadingContext<F> {
         let context = wave.context;
         let mut surface = SurfaceInteraction::gather(context, &path, (wave.hits, &at), active);
         surface.prepare(context, lobes, wave.events, active);
+        if lobes.has(LobeSet::RELIEF) {
+            textures::turn_normals(context, &mut surface, path.ray.direction, active);
+        }
         let interface = match lobes.has(LobeSet::REFRACTION) {
             true => Interface::gather(context, (wave.media, wave.events), &surface, path.medium, active),
             false => Interface::none(path.medium),

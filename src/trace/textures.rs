@@ -24,6 +24,21 @@ pub fn look_up<F: Real>(
     points.look_up(context, [active.bits(), wanted.bits()], (rows, counts));
 }
 
+/// Turns the shading normals of points in the lanes of a mask, as the relief of their materials says. A normal that then
+/// faces away from the eye belongs to the hidden side of the relief: its mirror image across the line of sight takes its
+/// place, so that shading stays continuous.
+#[inline(always)]
+pub fn turn_normals<F: Real>(
+    context: &TraceContext,
+    surface: &mut SurfaceInteraction<F>,
+    direction: Vec3<F>,
+    active: F::Mask,
+) {
+    let [x, y, z] =
+        TexturePoints::new(surface, direction).turned(context, active.bits(), surface.outside.bits());
+    surface.surface.shading = Vec3::new(F::load(&x, 0), F::load(&y, 0), F::load(&z, 0));
+}
+
 /// Points in memory, lane by lane.
 struct TexturePoints {
     surfaces: [Surface; 8],
@@ -51,6 +66,33 @@ impl TexturePoints {
             materials: std::array::from_fn(|k| materials[lane(k)]),
             widths: std::array::from_fn(|k| widths[lane(k)]),
         }
+    }
+
+    /// The coordinates of the shading normals.
+    #[inline(never)]
+    fn turned(&self, context: &TraceContext, active: u32, outside: u32) -> [[f64; 8]; 3] {
+        let mut normals = self.surfaces.map(|surface| surface.shading);
+        for lane in lanes(active) {
+            let material = context.material(self.materials[lane]);
+            if !material.has_relief() {
+                continue;
+            }
+            let surface = &self.surfaces[lane];
+            let seen = Footprint::new(self.widths[lane], self.directions[lane], surface.normal);
+            let at = ShapeHit::of_part(self.t[lane], self.parts[lane]);
+            let hit = Hit { at, primitive: self.primitives[lane] };
+            let geometry = context.scene.geometry;
+            let at_point = geometry.spot(&hit, surface, &seen, material.is_uv_mapped());
+            let side = if outside >> lane & 1 == 1 { 1.0 } else { -1.0 };
+            // Normals are moved by the inverse transpose of the map of points.
+            let to_normal = geometry.origin(self.primitives[lane] as usize).to_object().matrix3.transpose();
+            let own = (to_normal.inverse() * (surface.shading * side)).try_normalize();
+            let turned = own.map(|own| to_normal * material.normal_at(&at_point, own) * side);
+            let Some(turned) = turned.and_then(DVec3::try_normalize) else { continue };
+            let away = turned.dot(self.directions[lane]);
+            normals[lane] = if away > 0.0 { turned - self.directions[lane] * (2.0 * away) } else { turned };
+        }
+        [normals.map(|normal| normal.x), normals.map(|normal| normal.y), normals.map(|normal| normal.z)]
     }
 
     #[inline(never)]

@@ -166,7 +166,8 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
         for lane in lanes(coincident) {
             let origin = self.ray.ray.origin.lane(lane);
             let ray = Ray { origin, direction: self.ray.ray.direction.lane(lane) };
-            let number = self.context.resolve((&ray, RayKind::Shadow), (next.t[lane], t_max[lane]), self.events);
+            let number =
+                self.context.resolve((&ray, RayKind::Shadow), (next.t[lane], t_max[lane]), self.events);
             self.meet(lane, number, next);
         }
     }

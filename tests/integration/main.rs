@@ -15,6 +15,7 @@ mod inputs;
 mod cli;
 mod render;
 mod ray_visibility;
+mod relief;
 mod reuse;
 mod outlook;
 mod outputs;

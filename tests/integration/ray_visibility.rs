@@ -83,12 +83,14 @@ fn children_inherit_what_does_not_see_them() {
                 \"ball\": (shape: Sphere(center: (0, 1, 0)), parent: \"group\"),
                 \"mesh\": (shape: Torus(center: (2, 1, 0)), parent: \"group\", scale: (1, 2, 1)) }})"
         ))
-        .data()
-        .to_vec()
+        .data
     };
     assert_ne!(film(""), film(", casts_shadow: false"));
     assert_ne!(film(", casts_shadow: false"), film(", visible: false"));
-    assert_eq!(film(", casts_shadow: false, seen_by: (camera: false, reflections: false)"), film(", visible: false"));
+    assert_eq!(
+        film(", casts_shadow: false, seen_by: (camera: false, reflections: false)"),
+        film(", visible: false")
+    );
 }
 
 #[test]
@@ -191,5 +193,5 @@ fn scenes_without_it_do_no_more_work() {
     };
     let (plain, stated) = (work(""), work(", casts_shadow: true, seen_by: (camera: true)"));
     assert_eq!(plain.work, stated.work);
-    assert_eq!(plain.film.data(), stated.film.data());
+    assert_eq!(plain.film.data, stated.film.data);
 }

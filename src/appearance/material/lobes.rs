@@ -48,6 +48,17 @@ pub enum TextureSlot {
     Roughness,
     /// Coverage of the surface: the alpha of its base colour.
     Coverage,
+    /// The height of the surface, which turns its normal.
+    Height,
+    /// Normals in the axes of u and v.
+    Normal,
+}
+
+impl TextureSlot {
+    /// Whether it turns normals instead of multiplying a lobe.
+    pub fn is_relief(self) -> bool {
+        matches!(self, Self::Height | Self::Normal)
+    }
 }
 
 impl Lobes {
@@ -68,6 +79,8 @@ impl Lobes {
             TextureSlot::Roughness => self.roughness = (self.roughness * grey).min(1.0),
             // Coverage scales all lobes: see [`Lobes::with_coverage`].
             TextureSlot::Coverage => {}
+            // Relief turns normals.
+            TextureSlot::Height | TextureSlot::Normal => {}
         }
     }
 

@@ -6,12 +6,14 @@ mod tracks;
 
 pub use exponent::{Exponent, Highlight};
 pub use lobes::{Lobes, MIN_FUZZ, TextureSlot};
-pub use tracks::{LobeTracks, MaterialTracks, ScalarTextureTracks};
+pub use tracks::{LobeTracks, MaterialTracks, ReliefTracks, ScalarTextureTracks};
 
 use crate::appearance::optics::Fresnel;
+use crate::appearance::texture::relief::{self, ReliefStrength};
 use crate::appearance::texture::{Texel, Texture, TextureEvalContext};
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
+use crate::base::math::DVec3;
 use crate::film::LayerId;
 use bevy_ecs::component::Component;
 use std::ops::RangeInclusive;
@@ -29,6 +31,8 @@ pub struct Material {
     pub shininess: Exponent,
     pub fresnel: Fresnel,
     pub medium: Medium,
+    /// The depth of the texture of heights, or the factor of that of normals; 0 if there is neither.
+    pub relief: ReliefStrength,
 }
 
 /// The materials of an object, as indices into the scene's materials.
@@ -68,6 +72,9 @@ impl Material {
         let mut lobes = self.lobes;
         let mut coverage = 1.0;
         for (slots, texture) in &self.textures {
+            if slots.iter().all(|slot| slot.is_relief()) {
+                continue;
+            }
             let Texel { color, alpha } = texture.at(context);
             // Alpha of the base colour removes the surface there. Alpha of another texture removes only its lobe.
             let color = match slots.contains(&TextureSlot::Coverage) {
@@ -80,6 +87,24 @@ impl Material {
             slots.iter().for_each(|slot| lobes.tint(*slot, color));
         }
         if coverage == 1.0 { lobes } else { lobes.with_coverage(coverage) }
+    }
+
+    /// Whether textures turn its normals.
+    pub fn has_relief(&self) -> bool {
+        self.relief.0 != 0.0
+    }
+
+    /// The normal at a point with this unit normal, both in the space of the shape.
+    pub fn normal_at(&self, context: &TextureEvalContext<'_>, normal: DVec3) -> DVec3 {
+        let mut turned = normal;
+        for (slots, texture) in &self.textures {
+            match slots[..] {
+                [TextureSlot::Height] => turned = relief::raised(texture, self.relief.0, context, normal),
+                [TextureSlot::Normal] => turned = relief::mapped(texture, self.relief.0, context, normal),
+                _ => {}
+            }
+        }
+        turned
     }
 
     /// Whether light passes straight through some part of the surface.

@@ -3,6 +3,7 @@
 use super::{Exponent, Highlight, Lobes, Material, Medium, TextureSlot};
 use crate::appearance::light_groups::GroupWeight;
 use crate::appearance::optics::Fresnel;
+use crate::appearance::texture::relief::ReliefStrength;
 use crate::appearance::texture::{DataTexture, Texture, TextureTracks};
 use crate::base::color::Rgb;
 use crate::base::time::Time;
@@ -61,6 +62,36 @@ pub struct MaterialTracks {
     pub ior: Animated<f64>,
     pub absorption: Animated<Rgb>,
     pub priority: i32,
+    pub relief: Option<ReliefTracks>,
+}
+
+/// What turns the normals of a surface over time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ReliefTracks {
+    /// Heights: the texture's mean of red, green and blue times a depth in units of the shape, of any sign.
+    Bump { height: TextureTracks, depth: Animated<f64> },
+    /// A map of normals, and a factor of their components along the surface.
+    NormalMap { map: TextureTracks, strength: Animated<f64> },
+}
+
+impl ReliefTracks {
+    fn parts(&self) -> (TextureSlot, &TextureTracks, &Animated<f64>) {
+        match self {
+            Self::Bump { height, depth } => (TextureSlot::Height, height, depth),
+            Self::NormalMap { map, strength } => (TextureSlot::Normal, map, strength),
+        }
+    }
+
+    fn texture_mut(&mut self) -> &mut TextureTracks {
+        match self {
+            Self::Bump { height: texture, .. } | Self::NormalMap { map: texture, .. } => texture,
+        }
+    }
+
+    fn is_keyed(&self) -> bool {
+        let (_, texture, strength) = self.parts();
+        texture.is_keyed() || strength.is_keyed()
+    }
 }
 
 /// Minimum index of refraction. An easing may overshoot below it.
@@ -101,8 +132,10 @@ impl MaterialTracks {
         if lobes.microfacet == 0.0 {
             (lobes.base, lobes.metallic, lobes.roughness) = (Rgb::ZERO, 0.0, 0.0);
         }
+        let relief = self.relief.as_ref().map_or(ReliefStrength(0.0), |relief| textures.relief(relief, time));
         Material {
             lobes,
+            relief,
             textures: textures.0,
             emission_layer,
             highlight: if shines { self.highlight } else { Highlight::default() },
@@ -134,6 +167,7 @@ impl MaterialTracks {
             ior,
             absorption,
             priority: _,
+            relief,
         } = self;
         let lobes = [emission, ambient, diffuse, specular, mirror, transparency, refraction];
         let scalars = [fuzz, metallic, roughness];
@@ -143,6 +177,7 @@ impl MaterialTracks {
             || numbers.into_iter().any(Animated::is_keyed)
             || base.is_keyed()
             || absorption.is_keyed()
+            || relief.as_ref().is_some_and(ReliefTracks::is_keyed)
     }
 
     /// Calls `visit` with every texture that shows data.
@@ -151,6 +186,7 @@ impl MaterialTracks {
         let lobes = [emission, ambient, diffuse, specular, mirror, transparency, refraction];
         lobes.into_iter().for_each(|lobe| lobe.tint.each_data(visit));
         self.base.each_data(visit);
+        self.relief.iter_mut().for_each(|relief| relief.texture_mut().each_data(visit));
         for level in [&mut self.fuzz, &mut self.metallic, &mut self.roughness] {
             if let ScalarTextureTracks::Textured(texture) = level {
                 texture.each_data(visit);
@@ -193,7 +229,7 @@ fn is_absent(slot: TextureSlot, lobes: &Lobes) -> bool {
         TextureSlot::Transparency => lobes.transparency == Rgb::ZERO,
         TextureSlot::Refraction => lobes.refraction == Rgb::ZERO,
         TextureSlot::Base | TextureSlot::Metallic | TextureSlot::Roughness => lobes.microfacet == 0.0,
-        TextureSlot::Coverage => false,
+        TextureSlot::Coverage | TextureSlot::Height | TextureSlot::Normal => false,
     }
 }
 
@@ -223,6 +259,18 @@ impl TextureCollector {
         if texture.has_alpha() {
             self.note(TextureSlot::Coverage, texture);
         }
+    }
+
+    /// Records the texture of a relief. Returns its strength; 0 if nothing is raised.
+    fn relief(&mut self, relief: &ReliefTracks, time: Time) -> ReliefStrength {
+        let (slot, texture, strength) = relief.parts();
+        let (texture, strength) = (texture.at(time).opaque(), strength.at(time));
+        // Heights that are the same everywhere turn no normal; normals that are, may.
+        if strength == 0.0 || slot == TextureSlot::Height && texture.constant().is_some() {
+            return ReliefStrength(0.0);
+        }
+        self.0.push((vec![slot], texture));
+        ReliefStrength(strength)
     }
 
     fn level(&mut self, slot: TextureSlot, tracks: &ScalarTextureTracks, time: Time) -> f32 {

@@ -9,6 +9,7 @@ mod image;
 mod noise;
 mod evaluate;
 mod pattern;
+pub mod relief;
 mod mapping;
 mod asset;
 #[cfg(test)]

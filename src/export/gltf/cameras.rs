@@ -52,7 +52,7 @@ impl Exporter<'_> {
         Ok(())
     }
 
-    /// A camera in every frame.
+    /// A camera in every frame, and at the end of the last one if it is right there.
     fn moments(&self, index: usize) -> Result<Vec<Camera>, ExportError> {
         let (path, timeline) = (self.sequence.fitted_camera(index), &self.sequence.timeline);
         let at = |frame: u32| {
@@ -62,7 +62,9 @@ impl Exporter<'_> {
                 why: why.to_string(),
             })
         };
-        (0..timeline.frames).map(at).collect()
+        let mut all = (0..timeline.frames).map(at).collect::<Result<Vec<_>, _>>()?;
+        all.extend(at(timeline.frames).ok().or(all.last().copied()));
+        Ok(all)
     }
 
     /// Adds a camera without a place. `size` is its field of view in radians or half its height.

@@ -83,14 +83,15 @@ impl Keys {
         Self::sampled(timeline, steps, T::QUATERNION, |time| track.at(time).numbers())
     }
 
-    /// The keys of a function of time, one for each frame but those that the others imply; none if it does not change.
+    /// The keys of a function of time, one for each frame and for the end, but those that the others imply; none if it does
+    /// not change. With the end, a closed motion repeats without a gap.
     pub fn sampled(
         timeline: &Timeline,
         steps: bool,
         quaternion: bool,
         at: impl Fn(Time) -> Vec<f64>,
     ) -> Option<Self> {
-        let times: Vec<Time> = (0..timeline.frames).map(|frame| timeline.clock(frame).time).collect();
+        let times: Vec<Time> = (0..=timeline.frames).map(|frame| timeline.clock(frame).time).collect();
         let mut values: Vec<Vec<f64>> = times.iter().map(|time| at(*time)).collect();
         if quaternion {
             nearest_signs(&mut values);

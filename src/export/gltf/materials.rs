@@ -7,7 +7,9 @@ use super::Exporter;
 use super::keys::Keys;
 use crate::appearance::light::LightTracks;
 use crate::appearance::light_groups::GroupWeight;
-use crate::appearance::material::{Exponent, Lobes, Material, MaterialTracks, ScalarTextureTracks};
+use crate::appearance::material::{
+    Exponent, Lobes, Material, MaterialTracks, ReliefTracks, ScalarTextureTracks,
+};
 use crate::appearance::texture::{ColorChannel, TextureTracks};
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
@@ -83,6 +85,16 @@ impl Exporter<'_> {
         pbr["baseColorFactor"] = base;
         self.metallic_roughness(&mut pbr, tracks);
         entry["pbrMetallicRoughness"] = pbr;
+        match &tracks.relief {
+            Some(ReliefTracks::NormalMap { map: TextureTracks::Image(map), strength }) => {
+                if let Some(mut texture) = self.image_texture(map, false) {
+                    texture["scale"] = json!(strength.at(start));
+                    entry["normalTexture"] = texture;
+                }
+            }
+            Some(_) => self.left_out.note_of("the bump map", "material"),
+            None => {}
+        }
         if unlit {
             extensions.insert(self.document.uses("KHR_materials_unlit").into(), json!({}));
         } else {

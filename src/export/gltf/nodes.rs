@@ -131,7 +131,13 @@ impl Exporter<'_> {
     }
 
     /// Shows a mesh at a node. It gets a node of its own if it is moved there.
-    fn leaf(&mut self, name: &str, (translation, scale): (DVec3, DVec3), mesh: Map<String, Value>, node: usize) {
+    fn leaf(
+        &mut self,
+        name: &str,
+        (translation, scale): (DVec3, DVec3),
+        mesh: Map<String, Value>,
+        node: usize,
+    ) {
         if translation == DVec3::ZERO && scale == DVec3::ONE {
             if let Some(Value::Object(node)) = self.document.entry("nodes", node) {
                 node.extend(mesh);
@@ -188,7 +194,7 @@ impl Exporter<'_> {
             });
             (affine.translation, rotation, scale)
         };
-        let all: Vec<_> = (0..timeline.frames).map(|frame| parts(timeline.clock(frame).time)).collect();
+        let all: Vec<_> = (0..=timeline.frames).map(|frame| parts(timeline.clock(frame).time)).collect();
         let (translation, rotation, scale) = parts(timeline.clock(0).time);
         let frame = |time: Time| timeline.frame_at(time) as usize;
         let keys = [

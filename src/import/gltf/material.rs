@@ -21,6 +21,8 @@ pub struct GltfMaterial {
     /// Emitted radiance.
     pub emissive: DVec3,
     pub emissive_texture: Option<GltfTexture>,
+    /// A map of normals, and the factor of their components along the surface.
+    pub normal_texture: Option<(GltfTexture, f64)>,
     pub alpha: AlphaMode,
     /// It shows its base colour, whatever the light.
     pub unlit: bool,
@@ -63,6 +65,7 @@ impl Default for GltfMaterial {
             metallic_roughness_texture: None,
             emissive: DVec3::ZERO,
             emissive_texture: None,
+            normal_texture: None,
             alpha: AlphaMode::Opaque,
             unlit: false,
             ior: 1.5,
@@ -76,7 +79,9 @@ impl Default for GltfMaterial {
 impl GltfMaterial {
     /// All textures.
     pub fn textures(&self) -> impl Iterator<Item = &GltfTexture> {
-        [&self.base_texture, &self.metallic_roughness_texture, &self.emissive_texture].into_iter().flatten()
+        let normal = self.normal_texture.as_ref().map(|(texture, _)| texture);
+        let all = [&self.base_texture, &self.metallic_roughness_texture, &self.emissive_texture];
+        all.into_iter().flatten().chain(normal)
     }
 
     /// The number of the texture coordinates that its meshes need.
@@ -110,6 +115,10 @@ fn material(root: &Item<'_>, item: &Item<'_>, left_out: &mut LeftOut) -> GltfRes
     }
     given.emissive = DVec3::from_array(item.color("emissiveFactor", [0.0; 3])?);
     given.emissive_texture = texture((root, item), "emissiveTexture", left_out)?;
+    if let Some(normal) = texture((root, item), "normalTexture", left_out)? {
+        let scale = item.get("normalTexture").map_or(Ok(1.0), |info| info.number("scale", 1.0))?;
+        given.normal_texture = Some((normal, scale));
+    }
     given.alpha = match item.text("alphaMode")? {
         None | Some("OPAQUE") => AlphaMode::Opaque,
         Some("MASK") => AlphaMode::Mask(item.not_negative("alphaCutoff", 0.5)?),
@@ -161,9 +170,6 @@ fn transmission(item: &Item<'_>, given: &mut GltfMaterial, left_out: &mut LeftOu
 }
 
 fn note_what_is_left(item: &Item<'_>, given: &GltfMaterial, left_out: &mut LeftOut) -> GltfResult<()> {
-    if !given.unlit && item.has("normalTexture") {
-        left_out.note("normal textures", "material");
-    }
     let wanted = given.coordinates();
     if given.textures().any(|texture| texture.coordinates != wanted) {
         left_out.note("second texture coordinates", "material");

@@ -71,7 +71,10 @@ pub fn values(sequence: &Sequence, clock: &Clock) -> Vec<(AnimatedPart, Digest)>
         let tracks = tracks.as_ref().filter(|tracks| tracks.is_keyed());
         if transform.is_keyed() || visible.is_keyed() || rays.is_keyed() || tracks.is_some() {
             let shape = tracks.map(|tracks| tracks.digest(time));
-            note(AnimatedPart::Object(index), &(transform.at(time), (visible.at(time), rays.at(time)), shape));
+            note(
+                AnimatedPart::Object(index),
+                &(transform.at(time), (visible.at(time), rays.at(time)), shape),
+            );
         }
     }
     for (index, light) in sequence.lights.iter().enumerate() {

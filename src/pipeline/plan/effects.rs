@@ -56,6 +56,7 @@ effects! {
     VertexColors "vertex colours",
     Data "data",
     ShadingNormals "shading normals",
+    Relief "relief",
 }
 
 /// The part of the scene that needs an effect.
@@ -201,5 +202,8 @@ fn of_textures(material: &Material) -> impl Iterator<Item = SceneEffect> {
     }
     let mut found = Vec::new();
     material.textures.iter().for_each(|(_, paint)| note(paint, &mut found));
+    if material.has_relief() {
+        found.push(SceneEffect::Relief);
+    }
     found.into_iter()
 }

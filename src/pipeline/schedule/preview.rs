@@ -57,11 +57,14 @@ impl MomentState {
     }
 }
 
-/// Whether any visible material has a pattern. Patterns fade by the size of pixels, so views with different pixels see
-/// different light.
+/// Whether any visible material has a pattern or a relief. They fade by the size of pixels, so views with different pixels
+/// see different light.
 fn shows_patterns(scene: &Scene) -> bool {
-    let textures = |index: u32| &scene.shading.materials[index as usize].textures;
-    scene.geometry.materials().any(|index| textures(index).iter().any(|(_, texture)| texture.has_pattern()))
+    let fades = |index: u32| {
+        let material = &scene.shading.materials[index as usize];
+        material.has_relief() || material.textures.iter().any(|(_, texture)| texture.has_pattern())
+    };
+    scene.geometry.materials().any(fades)
 }
 
 impl Preview {

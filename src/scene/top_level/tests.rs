@@ -114,6 +114,7 @@ fn matte() -> Material {
         shininess: Exponent::new(1.0),
         fresnel: Fresnel::Exact,
         medium: Medium::EMPTY,
+        relief: Default::default(),
     }
 }
 

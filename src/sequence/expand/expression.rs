@@ -74,16 +74,30 @@ pub fn parse(quoted: &str, at: usize) -> Result<Expression, Fault> {
         return Err(Fault::new(whole, title, "too long").help("give parts of it names in `let`"));
     }
     let mut parser = Parser { text, at: 0, start: at + 2, depth: 0 };
-    let expression = parser.sum()?;
+    let is_text =
+        !text.trim_start().starts_with(|c: char| is_first(c) || c.is_ascii_digit() || "+-(.".contains(c));
+    let expression = parser.sum().map_err(|fault| if is_text { as_text(fault, text) } else { fault })?;
     parser.blanks();
     match parser.rest().chars().next() {
         None => Ok(expression),
         Some(')') => Err(parser.fault("this bracket closes nothing", "remove it")),
         Some('=') => Err(parser.fault("an expression has one `=`, at its beginning", "not expected here")),
-        Some(_) => {
-            Err(parser.fault("this expression goes on after its end", "an operator is missing before this"))
+        Some(next) => {
+            let fault =
+                parser.fault("this expression goes on after its end", "an operator is missing before this");
+            // Two names in a row are words.
+            let follows_a_name = text[..parser.at].trim_end().ends_with(is_first);
+            Err(if is_first(next) && follows_a_name { as_text(fault, text) } else { fault })
         }
     }
+}
+
+/// A fault of what may be meant as a text, with both ways to write it.
+fn as_text(fault: Fault, text: &str) -> Fault {
+    let text = shortened(text);
+    fault.help(format!(
+        "texts that begin with `=` are expressions, such as \"= 2*r + 1\"; to mean the text itself, write r\"={text}\""
+    ))
 }
 
 struct Parser<'s> {

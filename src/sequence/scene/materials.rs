@@ -1,6 +1,6 @@
 //! Translates the materials of a glTF file into Kinora's.
 
-use crate::appearance::material::ScalarTextureTracks;
+use crate::appearance::material::{ReliefTracks, ScalarTextureTracks};
 use crate::appearance::optics::Fresnel;
 use crate::appearance::texture::{
     ColorChannel, ColorEncoding, Image, ImageTextureTracks, SharedAsset, TextureMappingTracks, TextureTracks,
@@ -107,9 +107,11 @@ impl Images<'_> {
 fn described(given: &GltfMaterial, images: &mut Images<'_>) -> Option<MaterialDescription> {
     // All textures are read, so that every wrong image is reported.
     let (base, emission) = (base(given, images), emission(given, images));
+    let relief = relief(given, images);
     let metallic = level(given, given.metallic, ColorChannel::B, images);
     let roughness = level(given, given.roughness, ColorChannel::G, images);
     let (base, emission, metallic, roughness) = (base?, emission?, metallic?, roughness?);
+    let relief = relief?;
     let bare = MaterialDescription {
         color: Some(base.clone()),
         ior: Some(given.ior.into()),
@@ -124,6 +126,7 @@ fn described(given: &GltfMaterial, images: &mut Images<'_>) -> Option<MaterialDe
         metallic: Some(metallic),
         roughness: Some(roughness),
         emission,
+        relief,
         ..bare
     };
     // Metals transmit nothing.
@@ -206,6 +209,13 @@ fn veil(alpha: f64) -> Option<TextureTracks> {
         alpha: true,
         mapping: TextureMappingTracks::default(),
     })))
+}
+
+/// The map of normals, if there is one.
+fn relief(given: &GltfMaterial, images: &mut Images<'_>) -> Option<Option<ReliefTracks>> {
+    let Some((texture, scale)) = &given.normal_texture else { return Some(None) };
+    let map = TextureTracks::Image(Box::new(images.texture(texture, ColorEncoding::Linear)?));
+    Some(Some(ReliefTracks::NormalMap { map, strength: (*scale).into() }))
 }
 
 fn emission(given: &GltfMaterial, images: &mut Images<'_>) -> Option<LobeDescription> {

@@ -9,6 +9,7 @@ mod fuzzy;
 mod glossy;
 mod highlight;
 mod metallic;
+mod relief;
 mod sample;
 mod shininess;
 #[cfg(test)]
@@ -91,6 +92,14 @@ out_of_line! {
         }
         if bsdf.lobes.has(LobeSet::PHONG | LobeSet::BLINN_PHONG) {
             reflected.highlight = bsdf.highlight(to_light);
+        }
+        if bsdf.lobes.has(LobeSet::RELIEF) {
+            let share = bsdf.relief_shadow(to_light);
+            reflected = Reflected {
+                diffuse: reflected.diffuse * share,
+                glossy: reflected.glossy * share,
+                highlight: reflected.highlight * share,
+            };
         }
         let lit = bsdf.is_lit_from(to_light);
         Reflected {

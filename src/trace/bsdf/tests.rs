@@ -16,6 +16,7 @@ fn material(highlight: Highlight, shininess: f64) -> Material {
         shininess: Exponent::new(shininess),
         fresnel: Fresnel::Off,
         medium: Medium::EMPTY,
+        relief: Default::default(),
     }
 }
 

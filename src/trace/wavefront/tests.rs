@@ -35,6 +35,7 @@ fn plates() -> (Geometry, Shading) {
         shininess: Exponent::new(1.0),
         fresnel: Fresnel::Exact,
         medium: Medium { ior: 4.0, absorption: Rgb::ZERO, priority: 0 },
+        relief: Default::default(),
     };
     let environment = Environment { sky: Sky::Constant(Rgb::ONE), ..Environment::default() };
     (geometry, Shading { materials: vec![glass], environment, ..Shading::default() })
