@@ -559,6 +559,8 @@ async function pickAt(event) {
   else rows.push(["Object", "background"]);
   if (found.material) rows.push(["Material", found.material === found.object ? found.material : link(found.material, ["materials", found.material])]);
   if (found.distance != null) rows.push(["Distance", digits(found.distance, 4)], ["Point", vector(found.point)], ["Normal", vector(found.normal)]);
+  const rays = Object.entries(found.rays).map(([kind, count]) => `${count} ${kind}`).join(", ");
+  rows.push(["Rays", rays]);
   list($("pick"), rows);
   $("shares").replaceChildren(...found.light.map(({ name, share }) => {
     const row = document.createElement("li"), label = document.createElement("span"), value = document.createElement("span"), meter = document.createElement("meter");
@@ -587,7 +589,7 @@ async function copy(what) {
 }
 
 const set = (what, value) => send({ do: what, value });
-const heat = (kind) => send({ do: "heat", kind: state.heat === kind ? null : kind });
+const heat = (kind) => kind === "error" && !state.random && state.heat !== kind ? toast("This picture has no noise: its samples are a grid") : send({ do: "heat", kind: state.heat === kind ? null : kind });
 const resize = (factor) => {
   if (!state.size) return;
   const [width, height] = state.size.map((side) => Math.max(1, Math.round(side * factor)));
