@@ -81,6 +81,7 @@ async function listen() {
 
 function show(next, png) {
   state = next;
+  if (state.frame === wanted || state.playing) wanted = null;
   if (png) {
     if (bitmap && bitmap !== reference) bitmap.close();
     bitmap = png;
@@ -489,7 +490,12 @@ async function latest(kind, command, merge) {
   busy.delete(kind);
 }
 
-const goTo = (frame) => latest("frame", { do: "frame", frame: Math.min(Math.max(0, frame), (info.frames || 1) - 1) });
+// The frame that is asked for, until it is shown: keys may come faster than pictures.
+let wanted = null;
+function goTo(frame) {
+  wanted = Math.min(Math.max(0, frame), (info.frames || 1) - 1);
+  latest("frame", { do: "frame", frame: wanted });
+}
 
 function moveCamera(move) {
   const sum = (a, b) => {
@@ -619,8 +625,8 @@ function play() {
 const step = (x, y, z) => moveCamera({ move: "step", x, y, z });
 const commands = {
   " ": play,
-  ",": () => goTo(state.frame - 1),
-  ".": () => goTo(state.frame + 1),
+  ",": () => goTo((wanted ?? state.frame) - 1),
+  ".": () => goTo((wanted ?? state.frame) + 1),
   Home: () => goTo(0),
   End: () => goTo(info.frames - 1),
   l: () => { loops = !loops; $("loop").setAttribute("aria-pressed", loops); if (state.playing) send({ do: "play", from: range?.[0] || 0, to: range?.[1] ?? info.frames - 1, loop: loops }); },
