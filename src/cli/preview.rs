@@ -87,7 +87,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn serve(arguments: &Arguments, options: SessionOptions) -> Result<(), Failure> {
-    let failed = |what: &'static str| move |error: std::io::Error| Failure::Incomplete(format!("{what}: {error}"));
+    let failed =
+        |what: &'static str| move |error: std::io::Error| Failure::Incomplete(format!("{what}: {error}"));
     let port = arguments.port;
     let (server, address) =
         Server::bind(port).map_err(|error| Failure::Bad(format!("cannot listen on port {port}: {error}")))?;

@@ -183,7 +183,9 @@ impl ViewCamera {
             Lens::Orthographic { height } => matches!(height, Animated::Keyed(_)),
         };
         match () {
-            () if !path.path.is_empty() => Err("the camera follows a path; copy the text and place it by hand"),
+            () if !path.path.is_empty() => {
+                Err("the camera follows a path; copy the text and place it by hand")
+            }
             () if path.frame.is_some() => Err("the camera is fitted to objects by `frame`"),
             () if keyed || lens || path.roll.is_keyed() => {
                 Err("the camera has keys; copy a key and place it by hand")
@@ -259,7 +261,11 @@ mod tests {
         // A quarter turn to the right and back.
         let (mut view, _) = camera("position: (0, 0, 5)");
         view.orbit(DVec2::new(std::f64::consts::FRAC_PI_2, 0.0));
-        assert!((view.pose.position - DVec3::new(-5.0, 0.0, 0.0)).length() < 1e-9, "{:?}", view.pose.position);
+        assert!(
+            (view.pose.position - DVec3::new(-5.0, 0.0, 0.0)).length() < 1e-9,
+            "{:?}",
+            view.pose.position
+        );
     }
 
     #[test]

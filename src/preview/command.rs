@@ -89,7 +89,8 @@ const MOST_SAMPLES: u64 = 1 << 24;
 impl Command {
     /// Reads a command. The message of an error says what is wrong.
     pub fn parse(text: &[u8]) -> Result<Self, String> {
-        let value: Value = serde_json::from_slice(text).map_err(|error| format!("this is no JSON: {error}"))?;
+        let value: Value =
+            serde_json::from_slice(text).map_err(|error| format!("this is no JSON: {error}"))?;
         let what = value.get("do").and_then(Value::as_str).ok_or("`do` is missing")?;
         Ok(match what {
             "frame" => Self::Frame(small(&value, "frame", u64::from(u32::MAX))?),
@@ -178,7 +179,9 @@ fn names(value: &Value) -> Result<Vec<String>, String> {
 fn light_field(value: &Value) -> Result<LightField, String> {
     let given = value.get("value");
     match value.get("field").and_then(Value::as_str) {
-        Some("on") => given.and_then(Value::as_bool).map(LightField::On).ok_or("`on` is true or false".to_owned()),
+        Some("on") => {
+            given.and_then(Value::as_bool).map(LightField::On).ok_or("`on` is true or false".to_owned())
+        }
         Some("intensity") => given
             .and_then(Value::as_f64)
             .filter(|number| number.is_finite() && *number >= 0.0)
@@ -186,7 +189,9 @@ fn light_field(value: &Value) -> Result<LightField, String> {
             .ok_or("`intensity` is a number of at least 0".to_owned()),
         Some("color") => {
             let is_hex = |text: &&str| {
-                text.len() == 7 && text.starts_with('#') && text[1..].bytes().all(|byte| byte.is_ascii_hexdigit())
+                text.len() == 7
+                    && text.starts_with('#')
+                    && text[1..].bytes().all(|byte| byte.is_ascii_hexdigit())
             };
             let color = given.and_then(Value::as_str).filter(is_hex);
             color.map(|color| LightField::Color(color.to_owned())).ok_or("`color` is \"#rrggbb\"".to_owned())

@@ -2,8 +2,8 @@
 
 use super::camera::ViewCamera;
 use super::command::{CameraMove, Command, LightField};
-use super::pick::key_time;
 use super::overrides::Overrides;
+use super::pick::key_time;
 use super::playback::Playback;
 use super::render_task::RenderTask;
 use super::session::{Session, SessionOptions, Step};
@@ -106,7 +106,10 @@ pub struct Engine {
 
 impl Engine {
     /// Starts a session. It ends after [`EngineHandle::quit`].
-    pub fn start(options: SessionOptions, publish: Publish) -> std::io::Result<(EngineHandle, JoinHandle<()>)> {
+    pub fn start(
+        options: SessionOptions,
+        publish: Publish,
+    ) -> std::io::Result<(EngineHandle, JoinHandle<()>)> {
         let (sender, messages) = mpsc::channel();
         let session = Session::new(options);
         let watched = Arc::new(Mutex::new(session.watched().clone()));
@@ -409,8 +412,7 @@ impl Engine {
         let last = self.session.frames().saturating_sub(1);
         let range = (range.0.min(last), range.1.min(last));
         let speed = if speed.is_finite() { speed.clamp(0.01, 100.0) } else { 1.0 };
-        self.playback =
-            Some(Playback::new(range, self.session.frame, repeats, rate * speed, Instant::now()));
+        self.playback = Some(Playback::new(range, self.session.frame, repeats, rate * speed, Instant::now()));
     }
 
     fn move_camera(&mut self, change: CameraMove) {
@@ -444,13 +446,15 @@ impl Engine {
     /// The file, the line and the text of a value. Objects of included files and templates are found by their names.
     fn place(&self, names: &[String]) -> Result<Value, String> {
         let main = self.session.options.file.clone();
-        let included = self.session.watched().iter().filter(|path| path.extension().is_some_and(|ext| ext == "ron"));
+        let included =
+            self.session.watched().iter().filter(|path| path.extension().is_some_and(|ext| ext == "ron"));
         for path in std::iter::once(&main).chain(included) {
             let Ok(text) = std::fs::read_to_string(path) else { continue };
             // The closest part that is written: a copy has no place of its own, but its section has.
             for count in (1..=names.len()).rev() {
                 let names: Vec<&str> = names[..count].iter().map(String::as_str).collect();
-                let Some(span) = places::find(&text, &names).filter(|_| count == names.len() || count > 1) else {
+                let Some(span) = places::find(&text, &names).filter(|_| count == names.len() || count > 1)
+                else {
                     continue;
                 };
                 let line = places::line_of(&text, span.start);
@@ -508,11 +512,17 @@ impl Engine {
         let text = self.file_text()?;
         let fields = view.fields(sequence.up);
         let written = match places::find(&text, &["camera"]) {
-            None => edit::with_value(&text, &["camera"], view.ron(sequence.up).trim_start_matches("camera: ").trim_end_matches(',')),
+            None => edit::with_value(
+                &text,
+                &["camera"],
+                view.ron(sequence.up).trim_start_matches("camera: ").trim_end_matches(','),
+            ),
             Some(_) => fields
                 .iter()
                 .filter(|(name, _)| *name != "projection" || view.path().lens != camera.value.lens)
-                .try_fold(text.clone(), |text, (name, value)| edit::with_value(&text, &["camera", name], value)),
+                .try_fold(text.clone(), |text, (name, value)| {
+                    edit::with_value(&text, &["camera", name], value)
+                }),
         }?;
         self.write(&written)?;
         self.session.view = None;

@@ -2,7 +2,7 @@
 
 use crate::base::clock::TimeSource;
 use crate::film::AovSet;
-use crate::pipeline::plan::{Plan, PilotTime, run_pilot};
+use crate::pipeline::plan::{PilotTime, Plan, run_pilot};
 use crate::pipeline::render::Reuse;
 use crate::sequence::Sequence;
 use crate::sequence::quality::Quality;

@@ -54,7 +54,8 @@ pub fn heat_map(values: &[f32], width: u32, height: u32) -> HeatMap {
         let share = if span > 0.0 { (libm::logf(value) - low) / span } else { 0.5 };
         f64::from(share.clamp(0.0, 1.0))
     };
-    let rgb = values.iter().flat_map(|value| map.color(shade(*value)).to_array().map(|part| table.code(part)));
+    let rgb =
+        values.iter().flat_map(|value| map.color(shade(*value)).to_array().map(|part| table.code(part)));
     HeatMap { picture: Picture::opaque(width, height, rgb.collect()), from, to }
 }
 
@@ -66,8 +67,14 @@ mod tests {
     fn more_is_brighter() {
         let values: Vec<f32> = (0..64).map(|index| 1.1_f32.powi(index)).collect();
         let map = heat_map(&values, 8, 8);
-        let sums: Vec<u32> =
-            map.picture.rgb.as_chunks::<3>().0.iter().map(|c| c.iter().map(|c| u32::from(*c)).sum()).collect();
+        let sums: Vec<u32> = map
+            .picture
+            .rgb
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .map(|c| c.iter().map(|c| u32::from(*c)).sum())
+            .collect();
         assert!(sums.is_sorted() && sums[0] < 20 && sums[63] > 500, "{sums:?}");
         assert!(map.from < map.to);
         assert_eq!(heat_map(&[0.0; 4], 2, 2).picture.rgb, [0, 0, 3].repeat(4)[..12].to_vec().as_slice());

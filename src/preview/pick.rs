@@ -2,12 +2,14 @@
 
 use super::session::Session;
 use crate::base::math::{DVec2, DVec3, UpAxis};
+use crate::base::stats::RayCounts;
 use crate::base::time::Time;
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::Shape;
 use crate::scene::top_level::Bvh;
 use crate::scene::{Finish, Scene};
 use crate::sequence::Sequence;
+use crate::trace::{TraceSettings, rays_of_pixel};
 use serde_json::{Value, json};
 
 /// What the ray through the centre of a pixel hits first.
@@ -20,6 +22,23 @@ struct Picked {
     normal: DVec3,
 }
 
+/// Rays of a pixel by kind, without those that it does not have.
+fn ray_kinds(rays: &RayCounts) -> Value {
+    let RayCounts { camera, mirror, transmitted, scattered, shadow } = *rays;
+    let kinds = [
+        ("camera", camera),
+        ("mirror", mirror),
+        ("transmitted", transmitted),
+        ("scattered", scattered),
+        ("shadow", shadow),
+    ];
+    kinds
+        .into_iter()
+        .filter(|(_, count)| *count > 0)
+        .map(|(kind, count)| (kind.to_owned(), Value::from(count)))
+        .collect()
+}
+
 impl Session {
     /// What is at a pixel, counted from the top left. None without a picture.
     pub fn pick(&mut self, x: u32, y: u32) -> Option<Value> {
@@ -29,13 +48,18 @@ impl Session {
             return None;
         }
         let screen = screen_of((x, y), size);
-        let see = |scene: &Scene, bvh: &Bvh, _: &_| hit(scene, bvh, screen);
-        let picked = self.scene()?.tracer().see(&state, camera.as_ref(), see).ok()?;
+        let random = state.random;
+        let see = |scene: &Scene, bvh: &Bvh, settings: &TraceSettings| {
+            (hit(scene, bvh, screen), rays_of_pixel(scene, bvh, settings, random, (x, y)))
+        };
+        let (picked, rays) = self.scene()?.tracer().see(&state, camera.as_ref(), see).ok()?;
         let shares = self.light_shares(x, y);
         let scene = self.scene()?;
         let sequence = &scene.sequence;
         let Some(picked) = picked else {
-            return Some(json!({ "x": x, "y": y, "object": null, "light": shares }));
+            return Some(
+                json!({ "x": x, "y": y, "object": null, "rays": ray_kinds(&rays), "light": shares }),
+            );
         };
         let object = object_of(sequence, picked.primitive);
         let name = |index: Option<u32>| {
@@ -51,6 +75,7 @@ impl Session {
             "distance": picked.distance,
             "point": axes(picked.point, sequence.up),
             "normal": axes(picked.normal, sequence.up),
+            "rays": ray_kinds(&rays),
             "light": shares,
         }))
     }
@@ -101,7 +126,8 @@ fn hit(scene: &Scene, bvh: &Bvh, screen: DVec2) -> Option<Picked> {
 
 /// The index of the object with a slot: objects with a shape have slots in their order.
 fn object_of(sequence: &Sequence, slot: u32) -> Option<usize> {
-    let solid = (0..sequence.objects.len()).filter(|index| sequence.objects[*index].value.shape != Shape::Group);
+    let solid =
+        (0..sequence.objects.len()).filter(|index| sequence.objects[*index].value.shape != Shape::Group);
     solid.into_iter().nth(slot as usize)
 }
 

@@ -261,7 +261,9 @@ mod tests {
 
     #[test]
     fn broken_texts_give_nothing() {
-        for text in ["", "(", "(a: [1, 2)", "(a: \"", "(a: r#\"x\")", "(a /* b", "(((", "(a: ,)", "\u{e4}(", ")"] {
+        for text in
+            ["", "(", "(a: [1, 2)", "(a: \"", "(a: r#\"x\")", "(a /* b", "(((", "(a: ,)", "\u{e4}(", ")"]
+        {
             for names in [&["a"][..], &["a", "b"]] {
                 let _ = find(text, names);
             }

@@ -41,7 +41,8 @@ pub fn spans(sequence: &Sequence, stop: &Stop) -> Option<Value> {
             _ => spans.push((index, index, kind(index))),
         }
     }
-    let span = |(first, last, kind): (usize, usize, &str)| json!({ "first": first, "last": last, "kind": kind });
+    let span =
+        |(first, last, kind): (usize, usize, &str)| json!({ "first": first, "last": last, "kind": kind });
     Some(json!({
         "films": plan.films.len(),
         "reused": plan.reused(),

@@ -24,17 +24,7 @@ impl Playback {
         let to = to.max(from);
         let at = if (from..to).contains(&at) || (at == to && repeats) { at } else { from };
         let per_second = if per_second.is_finite() { per_second.clamp(0.01, 1000.0) } else { 24.0 };
-        Self {
-            from,
-            to,
-            repeats,
-            per_second,
-            start: now,
-            first: at - from,
-            last: None,
-            shown: 0,
-            dropped: 0,
-        }
+        Self { from, to, repeats, per_second, start: now, first: at - from, last: None, shown: 0, dropped: 0 }
     }
 
     /// The frame that is due, and whether it is a new one. None after the end.

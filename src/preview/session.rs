@@ -169,7 +169,8 @@ impl Session {
 
     fn adopt(&mut self, sequence: Sequence) {
         let checked = render::check(&sequence, &request(&sequence));
-        self.diagnostics = checked.as_ref().err().map(|error| format!("error: {}", escape::lines(&error.to_string())));
+        self.diagnostics =
+            checked.as_ref().err().map(|error| format!("error: {}", escape::lines(&error.to_string())));
         if matches!(checked, Err(RenderError::TooLarge { .. })) && self.overrides.size.is_none() {
             return;
         }
@@ -310,7 +311,7 @@ impl Session {
         let weights = self.weights(&state);
         if self.film.as_ref().is_none_or(|(known, _)| *known != key) {
             if let Some((known, film)) = self.film.take().filter(|(_, film)| film.done().is_some()) {
-                self.films.put(known, film);
+                self.films.put(known, film, self.generation);
             }
             self.film = self.films.take(key).map(|film| (key, film));
         }
@@ -333,7 +334,8 @@ impl Session {
         let most = self.most_samples(&state);
         let Some((key, mut film)) = self.film.take() else { return Step::Done };
         let pixels = u64::from(film.size().0) * u64::from(film.size().1);
-        let goal = self.pace.next(film.done(), pixels, most).filter(|_| !self.reaches_target(&film, &weights));
+        let goal =
+            self.pace.next(film.done(), pixels, most).filter(|_| !self.reaches_target(&film, &weights));
         let Some(goal) = goal else {
             self.film = Some((key, film));
             return Step::Done;
@@ -482,7 +484,8 @@ impl SceneInUse {
         let all = layers.count + usize::from(sequence.output.transparent);
         let mut reduced = 1;
         // A film must leave room for another one.
-        while ProgressiveFilm::bytes_of(sequence.output.size, all) > budget / 2 && sequence.output.size.0 > 64 {
+        while ProgressiveFilm::bytes_of(sequence.output.size, all) > budget / 2 && sequence.output.size.0 > 64
+        {
             let (width, height) = sequence.output.size;
             sequence.output.size = (width.div_ceil(2), height.div_ceil(2).max(1));
             reduced *= 2;

@@ -41,7 +41,8 @@ impl Pace {
         if done < Refinement::ALL_PIXELS {
             return Some(next);
         }
-        let fitting = self.predict(pixels).map_or(1.0, |time| LONGEST.as_secs_f64() / time.as_secs_f64().max(1e-9));
+        let fitting =
+            self.predict(pixels).map_or(1.0, |time| LONGEST.as_secs_f64() / time.as_secs_f64().max(1e-9));
         // Up to the next power of two, where the error is estimated again.
         let doubled = next.samples.min(done.samples.saturating_add(1).next_power_of_two());
         let samples = doubled.min(done.samples.saturating_add((fitting as u32).max(1)));

@@ -27,6 +27,8 @@ mod tests {
         let (one, other) = (random().expect("random bytes"), random().expect("random bytes"));
         assert_eq!(one.len(), 2 * BYTES);
         assert!(one != other && one.bytes().all(|byte| byte.is_ascii_hexdigit()));
-        assert!(is_same(&one, &one) && !is_same(&one, &other) && !is_same(&one, &one[1..]) && !is_same("", "a"));
+        assert!(
+            is_same(&one, &one) && !is_same(&one, &other) && !is_same(&one, &one[1..]) && !is_same("", "a")
+        );
     }
 }

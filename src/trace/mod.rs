@@ -53,7 +53,7 @@ pub use adaptive::{AdaptiveFrame, MIN_SAMPLES, Weightings, bytes_of_pixel};
 pub use context::is_random;
 pub use path_reuse::{BYTES_PER_POSE, FramePose, MAX_FRAMES, PathObstacle, SharedFrames};
 pub use pilot::{BlockError, PilotBlocks};
-pub use progressive::{ProgressiveFilm, Refinement, StageEnd, rays_per_sample};
+pub use progressive::{ProgressiveFilm, Refinement, StageEnd, rays_of_pixel, rays_per_sample};
 pub use settings::{Moment, TraceSettings};
 pub use view_reuse::{MAX_VIEWS, SamplePlan, SharedViews, View, bytes_of_sums, trace_views};
 

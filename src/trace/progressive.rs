@@ -9,7 +9,7 @@ use super::settings::{Moment, TraceSettings};
 use crate::base::cancel::Stop;
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
-use crate::base::stats::Counts;
+use crate::base::stats::{Counts, RayCounts};
 use crate::film::{AovSet, Film, LayerId, lit};
 use crate::scene::Scene;
 use crate::scene::top_level::Bvh;
@@ -342,6 +342,21 @@ pub fn rays_per_sample(
     stop.signal().is_none().then_some(rays)
 }
 
+/// The rays for one sample of a pixel.
+pub fn rays_of_pixel(
+    scene: &Scene,
+    bvh: &Bvh,
+    settings: &TraceSettings,
+    random: bool,
+    pixel: (u32, u32),
+) -> RayCounts {
+    let mut pixels = PixelTracer::new(scene, bvh, settings, Moment::ONLY);
+    pixels.random = random;
+    let mut sums = vec![DVec3::ZERO; pixels.layers()];
+    let set = SampleSet { samples: 0..1, seed: settings.quality.seed };
+    pixels.add(&[pixel], &set, &mut sums).rays
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -355,8 +370,10 @@ mod tests {
                 for left in (0..size.0).step_by(32) {
                     let tile = Tile::new((left, top), settings, 1);
                     for (step, stride) in STRIDES.into_iter().enumerate() {
-                        let cells: std::collections::BTreeSet<_> =
-                            tile.places[..tile.ends[step]].iter().map(|(x, y)| (x / stride, y / stride)).collect();
+                        let cells: std::collections::BTreeSet<_> = tile.places[..tile.ends[step]]
+                            .iter()
+                            .map(|(x, y)| (x / stride, y / stride))
+                            .collect();
                         let columns = (size.0.min(left + 32) - left).div_ceil(stride);
                         let rows = (size.1.min(top + 16) - top).div_ceil(stride);
                         assert_eq!((cells.len(), tile.ends[step]), ((columns * rows) as usize, cells.len()));

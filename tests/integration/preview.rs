@@ -180,12 +180,12 @@ fn is_equal(one: &[u8], other: &[u8]) -> bool {
 #[test]
 fn finished_pictures_are_those_of_render() {
     let lens = "camera: (position: (0, 2, 6), target: (0, 0.7, 0), aperture: 0.3)";
-    let blurred = SCENE.replace("camera: (position: [(0, (0, 2, 6)), (3, (1, 2, 6))], target: (0, 0.7, 0))", lens);
+    let blurred =
+        SCENE.replace("camera: (position: [(0, (0, 2, 6)), (3, (1, 2, 6))], target: (0, 0.7, 0))", lens);
     let clear = SCENE.replace("size: (64, 40)", "size: (61, 37), transparent: true");
-    let labelled = SCENE.replace("    // The lights.", "annotations: { \"a\": Label(at: (0, 1, 0), text: \"ball\") },");
-    for (name, text) in
-        [("grid", SCENE), ("lens", &blurred), ("alpha", &clear), ("label", &labelled)]
-    {
+    let labelled =
+        SCENE.replace("    // The lights.", "annotations: { \"a\": Label(at: (0, 1, 0), text: \"ball\") },");
+    for (name, text) in [("grid", SCENE), ("lens", &blurred), ("alpha", &clear), ("label", &labelled)] {
         let folder = tempfile::tempdir().expect("a folder");
         fs::write(folder.path().join("a.ron"), text).expect("a disk");
         for frame in [0, 4] {
@@ -266,7 +266,8 @@ fn included_files_and_images_are_watched() {
     image([200, 20, 20]);
     fs::write(preview.file("part.ron"), folder).expect("a disk");
     preview.save(&text);
-    let (_, red) = preview.until(|state| state["generation"].as_u64() >= Some(2) && state["samples"] == state["most"]);
+    let (_, red) =
+        preview.until(|state| state["generation"].as_u64() >= Some(2) && state["samples"] == state["most"]);
     let (state, _) = preview.next(0);
     let (generation, _) = (state["generation"].as_u64(), image([20, 20, 200]));
     let changed = |since: Option<u64>| {
@@ -388,14 +389,19 @@ fn pixels_tell_what_they_show() {
     assert_eq!(found["object"], "ball");
     let distance = found["distance"].as_f64().expect("a distance");
     assert!((4.5..6.0).contains(&distance), "{found}");
-    let shares: f64 = found["light"].as_array().expect("shares").iter().filter_map(|of| of["share"].as_f64()).sum();
+    assert_eq!(found["rays"]["camera"], 1);
+    let shares: f64 =
+        found["light"].as_array().expect("shares").iter().filter_map(|of| of["share"].as_f64()).sum();
     assert!((shares - 1.0).abs() < 1e-3, "{found}");
     assert_eq!(preview.tell(json!({ "do": "pick", "x": 0, "y": 0 }))["object"], Value::Null);
     let place = preview.tell(json!({ "do": "place", "names": ["objects", "ball"] }));
     let line = SCENE.lines().position(|line| line.contains("\"ball\"")).expect("a line") + 1;
     assert_eq!(place["line"], line);
     let copied = preview.tell(json!({ "do": "copy-camera" }));
-    assert_eq!(copied["text"], "camera: (position: (0, 2, 6), target: (0, 0.7, 0), projection: Perspective(fov: 45)),");
+    assert_eq!(
+        copied["text"],
+        "camera: (position: (0, 2, 6), target: (0, 0.7, 0), projection: Perspective(fov: 45)),"
+    );
 }
 
 #[test]
@@ -463,12 +469,17 @@ fn huge_and_slow_requests_are_refused() {
     let long = format!("GET /{}/ HTTP/1.1\r\n{own}\r\n", "a".repeat(1 << 20));
     assert!(matches!(preview.raw(long.as_bytes()).status, 400 | 404 | 414 | 431 | 0));
     let many: String = (0..1000).map(|index| format!("X-{index}: 1\r\n")).collect();
-    assert!(matches!(preview.request("GET", &format!("/{token}/"), &format!("{own}{many}"), "").status, 400 | 431 | 0));
+    assert!(matches!(
+        preview.request("GET", &format!("/{token}/"), &format!("{own}{many}"), "").status,
+        400 | 431 | 0
+    ));
     assert!(matches!(preview.raw(&[0xff; 5000]).status, 400 | 0));
     // Half of a head, a body that never comes, and many idle connections. The page is served all the while.
     let mut slow: Vec<TcpStream> = (0..20).map(|_| preview.connect()).collect();
     slow[0].write_all(format!("GET /{token}/ HTTP/1.1\r\nHo").as_bytes()).expect("written");
-    slow[1].write_all(format!("POST {path} HTTP/1.1\r\n{own}Content-Length: 100\r\n\r\n").as_bytes()).expect("written");
+    slow[1]
+        .write_all(format!("POST {path} HTTP/1.1\r\n{own}Content-Length: 100\r\n\r\n").as_bytes())
+        .expect("written");
     let start = Instant::now();
     assert_eq!(preview.request("GET", &format!("/{token}/"), &own, "").status, 200);
     assert!(start.elapsed() < Duration::from_secs(2));

@@ -92,7 +92,8 @@ impl Driver {
             "--force-color-profile=srgb",
             &profile,
         ];
-        let options = json!({ "capabilities": { "alwaysMatch": { "goog:chromeOptions": { "args": arguments } } } });
+        let options =
+            json!({ "capabilities": { "alwaysMatch": { "goog:chromeOptions": { "args": arguments } } } });
         let answer = driver.request("POST", "/session", Some(options))?;
         driver.session = answer["value"]["sessionId"].as_str()?.to_owned();
         Some(driver)
@@ -123,7 +124,9 @@ impl Driver {
     pub fn keys(&self, keys: &str) {
         let actions: Vec<Value> = keys
             .chars()
-            .flat_map(|key| ["keyDown", "keyUp"].map(|kind| json!({ "type": kind, "value": key.to_string() })))
+            .flat_map(|key| {
+                ["keyDown", "keyUp"].map(|kind| json!({ "type": kind, "value": key.to_string() }))
+            })
             .collect();
         self.command("actions", json!({ "actions": [{ "type": "key", "id": "keys", "actions": actions }] }));
     }

@@ -24,7 +24,9 @@ fn main() {
     let folder = std::env::args().nth(1).filter(|argument| !argument.starts_with('-'));
     let shots = PathBuf::from(folder.unwrap_or_else(|| "output/preview".to_owned()));
     let Some(driver) = Driver::start() else {
-        println!("skipped: there is no chromium or no chromedriver (apt-get install chromium chromium-driver)");
+        println!(
+            "skipped: there is no chromium or no chromedriver (apt-get install chromium chromium-driver)"
+        );
         return;
     };
     fs::create_dir_all(&shots).expect("a folder for screenshots");
@@ -46,7 +48,8 @@ fn edits(driver: &Driver, shots: &Path) {
     driver.open(&preview.address);
     driver.until("return $('status').textContent === 'Picture complete'");
     driver.screenshot(&shots.join("first.png"));
-    let pixel = "return Array.from(context.getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data).join()";
+    let pixel =
+        "return Array.from(context.getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data).join()";
     let before = driver.run(pixel);
     let mut times: Vec<Duration> = Vec::new();
     for color in ["#1c8434", "#c8a040", "#8844aa", "#2090c0", "#d8341c"] {
@@ -102,6 +105,8 @@ fn controls(driver: &Driver, shots: &Path) {
     driver.keys("y");
     driver.until("return state.heat === 'rays' && !$('scale').hidden");
     driver.screenshot(&shots.join("rays.png"));
+    driver.keys("e");
+    driver.until("return $('toast').textContent.includes('no noise')");
     driver.keys("y?");
     driver.until("return $('help').open");
     driver.screenshot(&shots.join("help.png"));

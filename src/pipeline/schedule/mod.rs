@@ -25,7 +25,7 @@ pub use frame_loop::FrameLoop;
 pub use frame_state::{FrameState, FrameViews, ViewObstacle};
 pub use frame_states::frame_states;
 pub use preview::Preview;
-pub use progressive_loop::ProgressiveLoop;
 pub use prober::{PassCost, Prober};
+pub use progressive_loop::ProgressiveLoop;
 pub use shared_paths::PathGroup;
 pub use stages::{FilmCollector, FilmSink, FrameError, FrameStage, Stats};

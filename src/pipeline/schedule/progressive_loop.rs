@@ -56,8 +56,7 @@ impl ProgressiveLoop {
             let Some((scene, bvh)) = self.world.scene(&weights) else { return Err(no_camera(state.frame)) };
             let scene = Scene { camera: camera.unwrap_or(scene.camera), ..scene };
             let random = state.random || camera.is_some_and(|camera| camera.lens.is_some());
-            let (end, traced) =
-                film.trace(&scene, bvh, &self.world.settings, (moment, random), goal, stop);
+            let (end, traced) = film.trace(&scene, bvh, &self.world.settings, (moment, random), goal, stop);
             counts += traced;
             if end == StageEnd::Stopped {
                 return Ok((end, counts));

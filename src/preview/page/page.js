@@ -81,6 +81,7 @@ async function listen() {
 
 function show(next, png) {
   state = next;
+  if (state.frame === wanted || state.playing) wanted = null;
   if (png) {
     if (bitmap && bitmap !== reference) bitmap.close();
     bitmap = png;
@@ -489,7 +490,12 @@ async function latest(kind, command, merge) {
   busy.delete(kind);
 }
 
-const goTo = (frame) => latest("frame", { do: "frame", frame: Math.min(Math.max(0, frame), (info.frames || 1) - 1) });
+// The frame that is asked for, until it is shown: keys may come faster than pictures.
+let wanted = null;
+function goTo(frame) {
+  wanted = Math.min(Math.max(0, frame), (info.frames || 1) - 1);
+  latest("frame", { do: "frame", frame: wanted });
+}
 
 function moveCamera(move) {
   const sum = (a, b) => {
@@ -559,6 +565,8 @@ async function pickAt(event) {
   else rows.push(["Object", "background"]);
   if (found.material) rows.push(["Material", found.material === found.object ? found.material : link(found.material, ["materials", found.material])]);
   if (found.distance != null) rows.push(["Distance", digits(found.distance, 4)], ["Point", vector(found.point)], ["Normal", vector(found.normal)]);
+  const rays = Object.entries(found.rays).map(([kind, count]) => `${count} ${kind}`).join(", ");
+  rows.push(["Rays", rays]);
   list($("pick"), rows);
   $("shares").replaceChildren(...found.light.map(({ name, share }) => {
     const row = document.createElement("li"), label = document.createElement("span"), value = document.createElement("span"), meter = document.createElement("meter");
@@ -587,7 +595,7 @@ async function copy(what) {
 }
 
 const set = (what, value) => send({ do: what, value });
-const heat = (kind) => send({ do: "heat", kind: state.heat === kind ? null : kind });
+const heat = (kind) => kind === "error" && !state.random && state.heat !== kind ? toast("This picture has no noise: its samples are a grid") : send({ do: "heat", kind: state.heat === kind ? null : kind });
 const resize = (factor) => {
   if (!state.size) return;
   const [width, height] = state.size.map((side) => Math.max(1, Math.round(side * factor)));
@@ -617,8 +625,8 @@ function play() {
 const step = (x, y, z) => moveCamera({ move: "step", x, y, z });
 const commands = {
   " ": play,
-  ",": () => goTo(state.frame - 1),
-  ".": () => goTo(state.frame + 1),
+  ",": () => goTo((wanted ?? state.frame) - 1),
+  ".": () => goTo((wanted ?? state.frame) + 1),
   Home: () => goTo(0),
   End: () => goTo(info.frames - 1),
   l: () => { loops = !loops; $("loop").setAttribute("aria-pressed", loops); if (state.playing) send({ do: "play", from: range?.[0] || 0, to: range?.[1] ?? info.frames - 1, loop: loops }); },

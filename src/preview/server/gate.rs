@@ -1,7 +1,7 @@
 //! Who may enter: requests for this machine's own name, from the page itself, with the token.
 
 use crate::preview::token;
-use hyper::header::{HeaderMap, HeaderName, HOST, ORIGIN};
+use hyper::header::{HOST, HeaderMap, HeaderName, ORIGIN};
 
 /// Names of this machine in addresses of the page. Through a tunnel (`ssh -L`) the port may be another one, so any port
 /// counts. A page of another site that is led here by its own name (DNS rebinding) sends that name.
@@ -26,7 +26,8 @@ impl Gate {
         let mut hosts = headers.get_all(HOST).iter();
         let host = hosts.next()?.to_str().ok()?;
         let is_only = hosts.next().is_none();
-        (is_only && is_here(host) && self.is_own(headers, host) && token::is_same(token, &self.token)).then_some(rest)
+        (is_only && is_here(host) && self.is_own(headers, host) && token::is_same(token, &self.token))
+            .then_some(rest)
     }
 
     /// Whether a request comes from the page, or from the address bar.

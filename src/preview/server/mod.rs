@@ -68,7 +68,11 @@ impl Server {
     }
 
     /// Serves on a thread of its own, as long as the process lives.
-    pub fn start(self, engine: EngineHandle, updates: watch::Receiver<Option<Arc<Update>>>) -> io::Result<()> {
+    pub fn start(
+        self,
+        engine: EngineHandle,
+        updates: watch::Receiver<Option<Arc<Update>>>,
+    ) -> io::Result<()> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
         let responder = Arc::new(Responder::new(Gate::new(self.token), engine, updates));
         let serve = move || runtime.block_on(serve(self.listener, responder));

@@ -94,7 +94,9 @@ impl Responder {
             Err(_) => return with_status(StatusCode::NO_CONTENT, "text/plain", Bytes::new()),
             Ok(Err(_)) => return plain(StatusCode::GONE, "the preview has ended\n"),
         };
-        let Some(update) = update else { return with_status(StatusCode::NO_CONTENT, "text/plain", Bytes::new()) };
+        let Some(update) = update else {
+            return with_status(StatusCode::NO_CONTENT, "text/plain", Bytes::new());
+        };
         if !self.is_owner(query) {
             return plain(StatusCode::CONFLICT, "another page shows this preview\n");
         }
@@ -114,7 +116,9 @@ impl Responder {
         };
         let command = match Command::parse(&body) {
             Ok(command) => command,
-            Err(error) => return with_status(StatusCode::BAD_REQUEST, "text/plain; charset=utf-8", error.into()),
+            Err(error) => {
+                return with_status(StatusCode::BAD_REQUEST, "text/plain; charset=utf-8", error.into());
+            }
         };
         let (sender, receiver) = oneshot::channel();
         self.engine.command(command, move |answer: Value| {
@@ -130,7 +134,9 @@ impl Responder {
 
 /// The value of a name in a query. Names and values of the page need no escapes.
 fn value_of<'q>(query: &'q str, name: &str) -> Option<&'q str> {
-    query.split('&').find_map(|part| part.split_once('=').filter(|(key, _)| *key == name).map(|(_, value)| value))
+    query
+        .split('&')
+        .find_map(|part| part.split_once('=').filter(|(key, _)| *key == name).map(|(_, value)| value))
 }
 
 fn plain(status: StatusCode, text: &'static str) -> Answer {
@@ -180,6 +186,9 @@ mod tests {
     fn queries_have_values() {
         assert_eq!(value_of("page=a&after=3", "after"), Some("3"));
         assert_eq!(value_of("page=a&after=3", "page"), Some("a"));
-        assert_eq!((value_of("", "page"), value_of("page", "page"), value_of("xpage=1", "page")), (None, None, None));
+        assert_eq!(
+            (value_of("", "page"), value_of("page", "page"), value_of("xpage=1", "page")),
+            (None, None, None)
+        );
     }
 }
