@@ -66,7 +66,8 @@ fn parent(node: Node<'_>, objects: &Names<'_>) -> Option<usize> {
         let group = name.rfind('/').filter(|_| node.file.is_computed(&node.span()));
         let Some(group) = group else { return report_unknown(node, "object", name, known.iter().copied()) };
         let own: Vec<_> = known.iter().copied().filter(|known| known.starts_with(&name[..=group])).collect();
-        let help = format!("the parents of a template's objects are in the template, here {}", listed(own.clone()));
+        let help =
+            format!("the parents of a template's objects are in the template, here {}", listed(own.clone()));
         node.fault(unknown(node, "object", name, own).help(help));
     })
 }

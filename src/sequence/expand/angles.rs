@@ -129,17 +129,25 @@ mod tests {
             assert_eq!([210, 330].map(|angle| sine(at(angle))), [half.negated(); 2]);
             assert_eq!([60, 300].map(|angle| cosine(at(angle))), [half; 2]);
             assert_eq!([90, 180, 270].map(|angle| sine(at(angle))), [1, 0, -1].map(Number::whole));
-            assert_eq!([45, 225, 135, 0].map(|angle| tangent(at(angle))), [1, 1, -1, 0].map(|n| Some(Number::whole(n))));
+            assert_eq!(
+                [45, 225, 135, 0].map(|angle| tangent(at(angle))),
+                [1, 1, -1, 0].map(|n| Some(Number::whole(n)))
+            );
             assert_eq!(tangent(at(270)), None);
         }
         assert_eq!(sine(Number::Float(30.0)), half);
         assert_eq!(sine(Number::Float(-30.0)), half.negated());
-        for (ratio, sine, cosine) in [(half, 30, 60), (half.negated(), -30, 120), (Number::whole(-1), -90, 180)] {
+        for (ratio, sine, cosine) in
+            [(half, 30, 60), (half.negated(), -30, 120), (Number::whole(-1), -90, 180)]
+        {
             assert_eq!(arc_sine(ratio), Some(Number::whole(sine)));
             assert_eq!(arc_cosine(ratio), Some(Number::whole(cosine)));
         }
         let angle = |y, x| arc_tangent(Number::whole(y), Number::whole(x));
-        assert_eq!([angle(2, 2), angle(2, -2), angle(-2, -2), angle(-1, 0)], [45, 135, -135, -90].map(Number::whole));
+        assert_eq!(
+            [angle(2, 2), angle(2, -2), angle(-2, -2), angle(-1, 0)],
+            [45, 135, -135, -90].map(Number::whole)
+        );
         assert_eq!([angle(0, 0), angle(0, -1)], [0, 180].map(Number::whole));
     }
 

@@ -90,12 +90,7 @@ pub struct Steps {
 }
 
 /// `(x, y, z)` for one index; along x, y and z for three; or such a vector for each index, in ( ).
-pub fn steps(
-    state: &State<'_>,
-    node: Node<'_>,
-    dimensions: u8,
-    context: &Context<'_>,
-) -> Option<Steps> {
+pub fn steps(state: &State<'_>, node: Node<'_>, dimensions: u8, context: &Context<'_>) -> Option<Steps> {
     let shifts =
         state.field(node, "step", context, |node| written_shifts(state, node, dimensions, context))?;
     Some(Steps { shifts, place: node.span() })

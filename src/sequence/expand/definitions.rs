@@ -156,7 +156,9 @@ impl<'s> Definer<'s> {
         let Some((other, first)) = before.filter(|_| !name.is_empty()) else { return };
         let title = format!("two {what}s are named `{}`", shortened(name));
         let fault = Fault::new(place, title, "named again here").also(first, "first named here");
-        let reaches = |index: usize, file| self.state.modules.get(index).is_some_and(|module| module.reach.contains(file));
+        let reaches = |index: usize, file| {
+            self.state.modules.get(index).is_some_and(|module| module.reach.contains(file))
+        };
         // The first file that includes both. The search would take long in files with this many faults.
         let is_few = self.state.report.len() < EXPLAINED;
         let order = self.included.order.iter().filter(|_| is_few && !reaches(file, other));

@@ -94,8 +94,7 @@ impl Reader<'_> {
         let file = file(self.sources.get(index), self.folder, self.root);
         let field = top_field(file.root(), "include");
         let is_expression = field.is_some_and(|node| is_expression(node.text()));
-        let names = field
-            .and_then(|node| list(node, "file names", |item| Some((text(item)?, item.span()))));
+        let names = field.and_then(|node| list(node, "file names", |item| Some((text(item)?, item.span()))));
         let faults = file.into_faults();
         self.faults.extend(faults.into_iter().map(|mut fault| {
             fault.name_field("include");

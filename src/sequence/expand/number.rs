@@ -273,7 +273,10 @@ mod tests {
         for _ in 0..10_000 {
             let (a, b) = (float(), float());
             let rest = Number::Float(a).modulo(Number::Float(b)).to_f64();
-            assert!(if b > 0.0 { (0.0..b).contains(&rest) } else { b < rest && rest <= 0.0 }, "{a} {b} {rest}");
+            assert!(
+                if b > 0.0 { (0.0..b).contains(&rest) } else { b < rest && rest <= 0.0 },
+                "{a} {b} {rest}"
+            );
         }
         for (a, b) in [(1.7, 0.1), (-1e-20, 1.0), (1e-20, -1.0)] {
             let rest = Number::Float(a).modulo(Number::Float(b)).to_f64();

@@ -119,12 +119,9 @@ mod tests {
 
     #[test]
     fn values_are_no_expressions() {
-        for (text, written) in [
-            ("a", "\"a\""),
-            ("a\"b", "\"a\\\"b\""),
-            ("=x", "r\"=x\""),
-            ("=a\"b", "\"\\u{3d}a\\\"b\""),
-        ] {
+        for (text, written) in
+            [("a", "\"a\""), ("a\"b", "\"a\\\"b\""), ("=x", "r\"=x\""), ("=a\"b", "\"\\u{3d}a\\\"b\"")]
+        {
             assert_eq!(quoted_value(text), written);
             assert_eq!(ron::from_str::<String>(written).as_deref(), Ok(text));
         }

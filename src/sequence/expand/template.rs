@@ -137,7 +137,8 @@ impl<'s> Instance<'s> {
         let mut given = HashMap::new();
         let mut good = true;
         if let Some(with) = with {
-            if state.refuse_expression(with, "values with the names of parameters { \"name\": ... }", context) {
+            if state.refuse_expression(with, "values with the names of parameters { \"name\": ... }", context)
+            {
                 return None;
             }
             for entry in entries(with, "parameter")? {

@@ -99,7 +99,8 @@ impl<'d, T> Seen<'d, T> {
     pub fn names(&self) -> impl Iterator<Item = &'d str> + use<'d, T> {
         let files = self.files;
         let all = self.definitions.by_name.iter();
-        all.filter(|(_, all)| all.iter().any(|known| files.contains(known.file))).map(|(name, _)| name.as_str())
+        all.filter(|(_, all)| all.iter().any(|known| files.contains(known.file)))
+            .map(|(name, _)| name.as_str())
     }
 
     /// Whether names may be missing, because a section has a fault.

@@ -25,7 +25,10 @@ impl Limit {
         match self {
             Self::Text => format!("the sequence expands to more than {} MiB", LARGEST >> 20),
             Self::Map => {
-                format!("the sequence expands to so many parts that their places fill {} MiB", LARGEST_MAP >> 20)
+                format!(
+                    "the sequence expands to so many parts that their places fill {} MiB",
+                    LARGEST_MAP >> 20
+                )
             }
         }
     }
@@ -259,7 +262,8 @@ mod tests {
         let places: Vec<_> = out.pieces.iter().map(|piece| (piece.start, piece.from, piece.len)).collect();
         assert_eq!(places, [(0, 102, 0), (2, 200, 5), (4, 104, 0)]);
         // From the inside out: where the value was used first, and the template last.
-        let notes: Vec<_> = ledger.notes(out.pieces[0].used).into_iter().map(|(place, _)| place.start).collect();
+        let notes: Vec<_> =
+            ledger.notes(out.pieces[0].used).into_iter().map(|(place, _)| place.start).collect();
         assert_eq!(notes, [300, 400, 500]);
     }
 }
