@@ -13,7 +13,7 @@ pub fn text_width(font: &Font, text: &str, size: f32) -> f32 {
 }
 
 /// The alignment of lines that are shorter than the longest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Align {
     Left,
     Center,

@@ -67,6 +67,11 @@ impl fmt::Display for TemplateError {
 impl std::error::Error for TemplateError {}
 
 impl Template {
+    /// Whether placeholders have this name in every template.
+    pub fn knows(name: &str) -> bool {
+        FIELDS.iter().any(|(known, _)| *known == name)
+    }
+
     /// Parses a text with the placeholders `{frame}`, `{frames}`, `{time}` and `{name}`.
     pub fn parse(text: &str) -> Result<Self, TemplateError> {
         Self::with_values(text, &[])

@@ -23,6 +23,7 @@ use super::syntax::EXAMPLE;
 use super::timeline::{still, timeline};
 use super::transform_limits::report_out_of_range;
 use super::values::up_axis;
+use super::words::report_word;
 use super::{Named, Object, Sequence};
 use crate::appearance::light::LightTracks;
 use crate::base::color::Rgb;
@@ -34,10 +35,7 @@ use std::ops::Range;
 
 /// Decodes a sequence called `name`. Returns None after any fault, and reports all faults.
 pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
-    if !root.word().is_empty() {
-        let title = format!("expected ( ... ) around the whole file, without `{}` in front", root.word());
-        root.fault(Fault::new(root.head(), title, "remove this word"));
-    }
+    report_word(root);
     // JSON files begin like this.
     if root.text().starts_with('{') {
         let fault = root.mismatch("the fields of the sequence, written (name: value, ...)");

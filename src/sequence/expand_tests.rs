@@ -9,16 +9,16 @@ use std::fs;
 use std::sync::Arc;
 use tempfile::TempDir;
 
-fn read(text: &str) -> Sequence {
+pub(super) fn read(text: &str) -> Sequence {
     parse("dir/test.ron", text).unwrap_or_else(|faults| panic!("{text}\n{faults}"))
 }
 
-fn faults(text: &str) -> String {
+pub(super) fn faults(text: &str) -> String {
     parse("test.ron", text).err().unwrap_or_else(|| panic!("{text} is accepted")).to_string()
 }
 
 /// The file as one plain text, and its sequence. The plain text must be the same sequence.
-fn plain(folder: &TempDir, text: &str) -> (String, Sequence) {
+pub(super) fn plain(folder: &TempDir, text: &str) -> (String, Sequence) {
     let path = folder.path().join("test.ron");
     fs::write(&path, text).expect("a disk");
     let plain =
@@ -31,7 +31,7 @@ fn plain(folder: &TempDir, text: &str) -> (String, Sequence) {
     (plain, sequence)
 }
 
-fn folder(files: &[(&str, &str)]) -> TempDir {
+pub(super) fn folder(files: &[(&str, &str)]) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, text) in files {
         let path = folder.path().join(name);
@@ -41,11 +41,11 @@ fn folder(files: &[(&str, &str)]) -> TempDir {
     folder
 }
 
-fn names(sequence: &Sequence) -> Vec<&str> {
+pub(super) fn names(sequence: &Sequence) -> Vec<&str> {
     sequence.objects.iter().map(|object| object.name.as_str()).collect()
 }
 
-fn translations(sequence: &Sequence) -> Vec<[f64; 3]> {
+pub(super) fn translations(sequence: &Sequence) -> Vec<[f64; 3]> {
     let at = |object: &Named<Object>| object.value.transform.at(Time::from_integer(0)).translation;
     sequence.objects.iter().map(|object| at(object).to_array()).collect()
 }

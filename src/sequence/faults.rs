@@ -95,10 +95,10 @@ impl Faults {
         if let Some((span, label)) = &fault.notes.also
             && self.sources.of(span.start).base != source.base
         {
-            group = group.element(self.other_place(span, label));
+            group = self.with_place(group, span, label);
         }
         for (span, label) in &fault.notes.uses {
-            group = group.element(self.other_place(span, label));
+            group = self.with_place(group, span, label);
         }
         match copies {
             0 => {}
@@ -114,20 +114,27 @@ impl Faults {
         group
     }
 
-    /// The quoted line of another place, with its file.
-    fn other_place<'a>(&'a self, span: &Range<usize>, label: &'a str) -> Snippet<'a, Annotation<'a>> {
+    /// Adds the quoted line of another place, with its file. Long lines are not quoted.
+    fn with_place<'a>(&'a self, group: Group<'a>, span: &Range<usize>, label: &'a str) -> Group<'a> {
         let source = self.sources.of(span.start);
-        let span = within(span, source);
+        let (number, span) = (source.line(span.start), within(span, source));
         let line = line_around(&source.text, span.start);
-        let line = if line.len() > LONGEST_LINE { first_line_of(&source.text, &span) } else { line };
+        let path = escape::line(&source.name);
+        if line.len() > LONGEST_LINE {
+            let column = source.text[line.start..span.start].chars().count() + 1;
+            let place = Origin::path(path).line(number).char_column(column);
+            return group.element(place).element(Level::NOTE.message(clean(label)));
+        }
         let span = first_line_of(&source.text, &span);
         let piece = &source.text[line.clone()];
         let place = |at: usize| shown(piece, (at - line.start).min(piece.len())).len();
         let annotation = AnnotationKind::Context.span(place(span.start)..place(span.end));
-        Snippet::source(shown(piece, piece.len()))
-            .path(escape::line(&source.name))
-            .line_start(source.line(source.base + span.start))
-            .annotation(annotation.label(clean(label)))
+        group.element(
+            Snippet::source(shown(piece, piece.len()))
+                .path(path)
+                .line_start(number)
+                .annotation(annotation.label(clean(label))),
+        )
     }
 
     /// The quoted lines of a fault, and of the related place if it is near.

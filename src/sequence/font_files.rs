@@ -4,7 +4,7 @@ use super::fault::Fault;
 use super::file_cache::FileCache;
 use super::node::Node;
 use super::suggest::shortened;
-use super::values::file_path;
+use super::values::{PATHS, file_path};
 use crate::base::files::{self, Root};
 use crate::drawing::Font;
 use std::path::Path;
@@ -42,9 +42,7 @@ pub fn font(node: Node<'_>) -> Option<Font> {
         Err(why) => {
             let title = format!("cannot read the font {:?}", shortened(&name));
             let fault = Fault::new(node.span(), title, why);
-            node.fault(
-                fault.help("fonts are .ttf and .otf files; paths are relative to the sequence file's folder"),
-            );
+            node.fault(fault.help("fonts are .ttf and .otf files").help(PATHS));
             None
         }
     }

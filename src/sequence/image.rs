@@ -3,7 +3,7 @@
 use super::fault::Fault;
 use super::node::Node;
 use super::suggest::shortened;
-use super::values::file_path;
+use super::values::{PATHS, file_path};
 use crate::appearance::texture::{ColorEncoding, Image, SharedAsset};
 
 /// A decoder for the quoted name of an image file.
@@ -18,8 +18,7 @@ pub fn named_image(node: Node<'_>, name: &str, encoding: ColorEncoding) -> Optio
         Err(why) => {
             let title = format!("cannot read the image {:?}", shortened(name));
             let fault = Fault::new(node.span(), title, why.to_string());
-            let help = "paths of images are relative to the folder of the sequence file";
-            node.fault(if why.is_missing() { fault.help(help) } else { fault });
+            node.fault(if why.is_missing() { fault.help(PATHS) } else { fault });
             None
         }
     }

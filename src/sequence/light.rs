@@ -1,7 +1,7 @@
 //! Decodes `lights`.
 
 use super::colors::color;
-use super::expand::REPEAT;
+use super::expand::{REPEAT, report_misplaced};
 use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::keyed;
@@ -25,9 +25,9 @@ pub fn light(node: Node<'_>) -> Option<LightTracks> {
             ("Directional", |node| lit(node, "`Directional`", directional)),
             ("Sphere", |node| lit(node, "`Sphere`", sphere)),
             ("Rectangle", |node| lit(node, "`Rectangle`", rectangle)),
-            // Repeated lights have been expanded, so this one repeats another `Repeat`.
+            // Repeated lights have been expanded, so this one is in a named value.
             (REPEAT, |node| {
-                node.expected("a light");
+                report_misplaced(node, node.head(), REPEAT);
                 None
             }),
         ],

@@ -7,7 +7,9 @@ use super::mesh_series::{is_list, series};
 use super::node::{Node, NodeContent};
 use super::shape_tracks::ShapeTracks;
 use super::suggest::shortened;
-use super::values::{angle_between, each, file_path, list, number, positive, tuple, up_axis, vector, whole};
+use super::values::{
+    PATHS, angle_between, each, file_path, list, number, positive, tuple, up_axis, vector, whole,
+};
 use super::words::word;
 use super::{Named, Object, Sequence};
 use crate::base::math::{Angle, DVec2, DVec3};
@@ -153,11 +155,10 @@ fn file(node: Node<'_>, preparation: &Preparation) -> Option<Arc<mesh::TriangleM
         Ok(mesh) => Some(mesh),
         Err(why) => {
             let title = format!("cannot read the mesh {:?}", shortened(&name));
-            let help = "paths of meshes are relative to the folder of the sequence file";
             let (missing, lists) = (why == NO_FILE, is_list(&name));
             let fault = Fault::new(node.span(), title, why);
             node.fault(match (missing, lists) {
-                (true, _) => fault.help(help),
+                (true, _) => fault.help(PATHS),
                 (_, true) => fault.help(format!("write Mesh(series: {:?})", shortened(&name))),
                 _ => fault,
             });

@@ -22,6 +22,8 @@ mod environment;
 mod expand;
 #[cfg(test)]
 mod expand_tests;
+#[cfg(test)]
+mod expand_value_tests;
 mod fault;
 mod faults;
 mod fields;

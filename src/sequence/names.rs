@@ -119,11 +119,16 @@ impl<'n> Names<'n> {
 
     /// The index of the quoted name at `node`.
     pub fn index(&self, node: Node<'_>) -> Option<usize> {
+        self.index_or(node, |name, known| report_unknown(node, self.what, name, known.iter().copied()))
+    }
+
+    /// [`Names::index`] with a report of its own, which gets the name and the known ones.
+    pub fn index_or(&self, node: Node<'_>, report: impl FnOnce(&str, &[&str])) -> Option<usize> {
         let name = text(node)?;
         let index = self.indices.get(name.as_str()).copied().filter(|_| !name.is_empty());
         let is_below = |entry: &&str| name.strip_prefix(*entry).is_some_and(|rest| rest.starts_with('/'));
         if index.is_none() && !self.unread.iter().any(is_below) {
-            report_unknown(node, self.what, &name, self.in_order.iter().copied());
+            report(&name, &self.in_order);
         }
         index
     }

@@ -3,7 +3,7 @@
 //! ron parses everything. Nested values stay raw text that is borrowed from the source. So every value keeps its
 //! place, and a wrong value does not stop the others from being decoded.
 
-use super::expand::source::{Sources, quoted};
+use super::expand::source::{Sources, quoted_value};
 use super::expand::source_map::SourceMap;
 use super::fault::Fault;
 use super::font_files::FontFiles;
@@ -15,6 +15,7 @@ use super::raw_value::{ContentVisitor, MapVisitor, RawContent};
 use super::scene_files::SceneFiles;
 use super::suggest::shortened;
 use super::table_files::TableFiles;
+use super::text_shape::TextMeshes;
 use crate::base::files::Root;
 use crate::base::math::UpAxis;
 use ron::value::RawValue;
@@ -46,6 +47,8 @@ pub struct File<'s> {
     pub tables: TableFiles,
     /// Fonts named in the file.
     pub fonts: FontFiles,
+    /// Solids of texts.
+    pub texts: TextMeshes,
     /// Where the source was written, if it was expanded.
     pub written: Option<Written<'s>>,
     /// Parts of an expanded source that a plain file must write in another way, with their texts there.
@@ -78,6 +81,7 @@ impl<'s> File<'s> {
             scenes,
             tables,
             fonts,
+            texts: TextMeshes::default(),
             written: None,
             rewritten: RefCell::default(),
         }
@@ -116,7 +120,7 @@ impl<'s> File<'s> {
             return name;
         }
         let path = folder.join(&name).to_string_lossy().replace('\\', "/");
-        self.rewritten.borrow_mut().push((span.clone(), quoted(&path)));
+        self.rewritten.borrow_mut().push((span.clone(), quoted_value(&path)));
         path
     }
 

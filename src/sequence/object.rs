@@ -1,6 +1,6 @@
 //! Decodes `objects`: shapes with a material, a transform and a parent.
 
-use super::expand::{REPEAT, TEMPLATE, WITH};
+use super::expand::{REPEAT, TEMPLATE, WITH, report_misplaced};
 use super::fault::Fault;
 use super::fields::Fields;
 use super::instances::instances;
@@ -15,11 +15,11 @@ use super::pose_tracks::Placement;
 use super::scene::{SceneDraft, is_scene};
 use super::shape::{INSTANCES, ShapeOverTime, shape};
 use super::shape_tracks::ShapeTracks;
-use super::suggest::{nearest, shortened};
+use super::suggest::{listed, nearest, shortened};
 use super::transform::transform;
 use super::transform_limits::TransformPlace;
 use super::values::switch;
-use super::words::unknown;
+use super::words::{report_unknown, unknown};
 use crate::geometry::ray_kinds::RayVisibility;
 use crate::geometry::shape::{Mesh, Shape};
 use crate::geometry::transform::TransformTracks;
@@ -61,6 +61,19 @@ pub struct Parent {
     pub place: Range<usize>,
 }
 
+/// The index of the parent with the quoted name.
+fn parent(node: Node<'_>, objects: &Names<'_>) -> Option<usize> {
+    objects.index_or(node, |name, known| {
+        // The expansion wrote the name of a template's object, which is that of its group, `/`, and its own.
+        let group = name.rfind('/').filter(|_| node.file.is_computed(&node.span()));
+        let Some(group) = group else { return report_unknown(node, "object", name, known.iter().copied()) };
+        let own: Vec<_> = known.iter().copied().filter(|known| known.starts_with(&name[..=group])).collect();
+        let help =
+            format!("the parents of a template's objects are in the template, here {}", listed(own.clone()));
+        node.fault(unknown(node, "object", name, own).help(help));
+    })
+}
+
 /// Decodes an object and its parent. The parent is returned even if the object has faults. `scene` is the scene that it
 /// shows, if it shows one that could be read.
 pub fn object(
@@ -69,6 +82,11 @@ pub fn object(
     materials: &Names<'_>,
     objects: &Names<'_>,
 ) -> (Option<ObjectDraft>, Option<Parent>) {
+    // Repeated objects and those of templates have been expanded, unless they are in a named value.
+    if node.word() == REPEAT {
+        report_misplaced(node, node.head(), REPEAT);
+        return (None, None);
+    }
     if !node.word().is_empty() && nearest(node.word(), [REPEAT]).is_some() {
         node.fault(unknown(node, "kind of object", node.word(), [REPEAT]));
         return (None, None);
@@ -111,15 +129,17 @@ pub fn object(
     let visible = fields.or("visible", keyed(switch), true);
     let shadows = fields.or("casts_shadow", keyed(switch), true);
     let seen = fields.or("seen_by", seen_by, [true.into(), true.into()]);
-    // Objects of templates have been expanded, so these names are here for suggestions.
+    // These names are known for suggestions.
     fields.ignore(TEMPLATE);
     fields.ignore(WITH);
-    if fields.has(WITH) {
+    if fields.has(TEMPLATE) {
+        report_misplaced(node, fields.place(TEMPLATE), TEMPLATE);
+    } else if fields.has(WITH) {
         let title = "`with` gives values to the parameters of a `template`";
         node.fault(Fault::new(fields.place(WITH), title, "this object has no `template`"));
     }
     let parent = fields
-        .optional("parent", |node| objects.index(node).map(|index| Parent { index, place: node.span() }));
+        .optional("parent", |node| parent(node, objects).map(|index| Parent { index, place: node.span() }));
     fields.finish();
     let rays = shadows.zip(seen).map(|(shadows, [camera, reflections])| RayVisibility {
         camera,

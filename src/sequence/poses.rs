@@ -8,7 +8,7 @@ use super::node::Node;
 use super::pose_columns::timed_columns;
 use super::pose_tracks::{Interpolation, PoseTracks, tracks};
 use super::suggest::shortened;
-use super::values::file_path;
+use super::values::{PATHS, file_path};
 use super::words::word;
 use crate::base::math::{DQuat, UpAxis};
 use crate::camera::path::PosePath;
@@ -115,8 +115,7 @@ pub fn table(node: Node<'_>, name: &str) -> Option<Rc<Table>> {
         Err(why) => {
             let missing = why == NO_FILE;
             let fault = Fault::new(node.span(), format!("cannot read the table {:?}", shortened(name)), why);
-            let help = "paths of tables are relative to the folder of the sequence file";
-            node.fault(if missing { fault.help(help) } else { fault });
+            node.fault(if missing { fault.help(PATHS) } else { fault });
             None
         }
     }

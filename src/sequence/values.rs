@@ -120,7 +120,7 @@ pub fn whole_number(range: RangeInclusive<i32>) -> impl Fn(Node<'_>) -> Option<i
 }
 
 /// A decimal number as an exact fraction with at most `places` decimal places.
-pub fn exact_number(node: Node<'_>, places: u32) -> Option<Time> {
+fn exact_number(node: Node<'_>, places: u32) -> Option<Time> {
     match exact(node.text(), places) {
         Ok(value) => Some(value),
         // The message is the same as for any other number.
@@ -276,6 +276,9 @@ pub fn text(node: Node<'_>) -> Option<String> {
         }
     }
 }
+
+/// Help about files that do not exist.
+pub const PATHS: &str = "paths are relative to the folder of the file that names them";
 
 /// The path of a file in quotes, relative to the folder of the sequence. Paths of included files are relative to those.
 pub fn file_path(node: Node<'_>) -> Option<String> {

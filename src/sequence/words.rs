@@ -34,6 +34,14 @@ pub fn known_word(node: Node<'_>, what: &str, known: &'static [&'static str]) ->
     found
 }
 
+/// Reports a word in front of the brackets of a whole file.
+pub fn report_word(root: Node<'_>) {
+    if !root.word().is_empty() {
+        let title = format!("expected ( ... ) around the whole file, without `{}` in front", root.word());
+        root.fault(Fault::new(root.head(), title, "remove this word"));
+    }
+}
+
 /// Reports a value without a word where one of `known` was expected.
 fn report_no_word<'n>(node: Node<'_>, known: impl Iterator<Item = &'n str> + Clone) {
     let fault = node.mismatch(either(known.clone()));

@@ -80,7 +80,12 @@ fn object_point(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Anchor> {
 /// A side of a box, or a vector whose parts go from -1 to 1.
 fn side(node: Node<'_>) -> Option<DVec3> {
     if node.opens_with('(') && node.word().is_empty() {
-        return vector(node);
+        let side = vector(node)?;
+        if side.abs().max_element() > 1.0 {
+            node.expected("a place in the box: numbers from -1 to 1 (x, y, z)");
+            return None;
+        }
+        return Some(side);
     }
     let named = [
         ("Center", DVec3::ZERO),

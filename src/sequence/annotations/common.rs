@@ -102,6 +102,10 @@ fn backdrop(node: Node<'_>) -> Option<Backdrop> {
 /// Numbers over time with their names.
 fn values(node: Node<'_>) -> Option<Vec<(String, Animated<f64>)>> {
     let entries = entries(node, "value")?;
+    for entry in entries.iter().filter(|entry| Template::knows(&entry.name)) {
+        let title = format!("`{{{}}}` already has a meaning in texts", entry.name);
+        node.fault(Fault::new(entry.key.span(), title, "choose another name"));
+    }
     let decoded: Vec<_> =
         entries.iter().map(|entry| Some((entry.name.clone(), number_over_time(entry.value)?))).collect();
     decoded.into_iter().collect()

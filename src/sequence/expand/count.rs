@@ -29,7 +29,11 @@ impl Count {
 }
 
 /// `12`, `"=2*n"`, `(3, 4)` or `(3, 4, 5)`.
-pub fn count<'s>(state: &State<'s>, node: Node<'s>, context: &Context<'_>) -> Option<Count> {
+pub fn count(state: &State<'_>, node: Node<'_>, context: &Context<'_>) -> Option<Count> {
+    state.field(node, "count", context, |node| written_count(state, node, context))
+}
+
+fn written_count(state: &State<'_>, node: Node<'_>, context: &Context<'_>) -> Option<Count> {
     let items = match node.content()? {
         NodeContent::Tuple(items) if node.word().is_empty() && matches!(items.len(), 2 | 3) => items,
         NodeContent::Plain => vec![node],
@@ -55,7 +59,7 @@ pub fn count<'s>(state: &State<'s>, node: Node<'s>, context: &Context<'_>) -> Op
     Some(Count { numbers, dimensions })
 }
 
-fn whole<'s>(state: &State<'s>, node: Node<'s>, context: &Context<'_>) -> Option<u32> {
+fn whole(state: &State<'_>, node: Node<'_>, context: &Context<'_>) -> Option<u32> {
     let what = format!("a whole number from 0 to {MAX_ENTRIES}");
     let Some(expression) = state.operand(node, context.used) else {
         // An expression with a fault has been reported.
@@ -68,11 +72,13 @@ fn whole<'s>(state: &State<'s>, node: Node<'s>, context: &Context<'_>) -> Option
     if value.fract() == 0.0 && (0.0..=MAX_ENTRIES as f64).contains(&value) {
         return Some(value as u32);
     }
-    let fault = node.mismatch(what);
-    let mut fault =
-        if is_expression(node.text()) { fault.label(format!("its value is {value}")) } else { fault };
+    let mut fault = node.mismatch(what);
+    if !is_expression(node.text()) {
+        node.fault(fault);
+        return None;
+    }
     fault.name_field("count");
-    state.fault(fault, context.used);
+    state.fault(fault.label(format!("its value is {value}")), context.used);
     None
 }
 
@@ -84,7 +90,18 @@ pub struct Steps {
 }
 
 /// `(x, y, z)` for one index; along x, y and z for three; or such a vector for each index, in ( ).
-pub fn steps<'s>(state: &State<'s>, node: Node<'s>, dimensions: u8, context: &Context<'_>) -> Option<Steps> {
+pub fn steps(state: &State<'_>, node: Node<'_>, dimensions: u8, context: &Context<'_>) -> Option<Steps> {
+    let shifts =
+        state.field(node, "step", context, |node| written_shifts(state, node, dimensions, context))?;
+    Some(Steps { shifts, place: node.span() })
+}
+
+fn written_shifts(
+    state: &State<'_>,
+    node: Node<'_>,
+    dimensions: u8,
+    context: &Context<'_>,
+) -> Option<Vec<[Expression; 3]>> {
     let wrong = || {
         let what = match dimensions {
             1 => "a vector (x, y, z)",
@@ -93,14 +110,7 @@ pub fn steps<'s>(state: &State<'s>, node: Node<'s>, dimensions: u8, context: &Co
         };
         node.expected(what);
     };
-    let tuple = |node: Node<'s>| match node.content()? {
-        NodeContent::Tuple(items) if node.word().is_empty() => Some(items),
-        _ => {
-            wrong();
-            None
-        }
-    };
-    let numbers = |items: &[Node<'s>]| {
+    let numbers = |items: &[Node<'_>]| {
         let items: Vec<_> = items.iter().map(|item| state.operand(*item, context.used)).collect();
         let items =
             items.into_iter().collect::<Option<Vec<_>>>().and_then(|items| <[_; 3]>::try_from(items).ok());
@@ -109,25 +119,34 @@ pub fn steps<'s>(state: &State<'s>, node: Node<'s>, dimensions: u8, context: &Co
         }
         items
     };
-    let items = tuple(node)?;
+    let items = tuple(node, wrong)?;
     let is_vector = !items.iter().any(|item| item.opens_with('('));
     let zero = || Expression::Number(Number::whole(0));
-    let shifts = match (dimensions, is_vector) {
+    Some(match (dimensions, is_vector) {
         (1, true) => vec![numbers(&items)?],
         (3, true) => {
             let [x, y, z] = numbers(&items)?;
             vec![[x, zero(), zero()], [zero(), y, zero()], [zero(), zero(), z]]
         }
         (_, false) if items.len() == usize::from(dimensions) => {
-            let shifts = items.iter().map(|item| numbers(&tuple(*item)?));
+            let shifts = items.iter().map(|item| numbers(&tuple(*item, wrong)?));
             shifts.collect::<Option<Vec<_>>>()?
         }
         _ => {
             wrong();
             return None;
         }
-    };
-    Some(Steps { shifts, place: node.span() })
+    })
+}
+
+fn tuple<'t>(node: Node<'t>, wrong: impl Fn()) -> Option<Vec<Node<'t>>> {
+    match node.content()? {
+        NodeContent::Tuple(items) if node.word().is_empty() => Some(items),
+        _ => {
+            wrong();
+            None
+        }
+    }
 }
 
 impl Steps {

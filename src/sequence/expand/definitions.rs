@@ -5,11 +5,16 @@ use super::super::fields::Fields;
 use super::super::names::{Entry, entries};
 use super::super::node::{File, Node, NodeContent};
 use super::super::suggest::shortened;
+use super::super::words::report_word;
 use super::include::{Included, top_field};
-use super::objects::EntryKind;
+use super::misplaced::report_misplaced;
+use super::objects::{EntryKind, REPEAT};
+use super::scope::Value;
 use super::source_map::{NO_USE, UseKind};
 use super::state::{Module, State};
 use super::template::{check_name, template};
+use super::visibility::Definition;
+use super::writer::Fragment;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::rc::Rc;
@@ -24,6 +29,9 @@ pub const SECTIONS: [(&str, &str, EntryKind); 4] = [
 
 /// The fields of a sequence that its expansion uses up.
 pub const OWN_FIELDS: [&str; 3] = ["include", "let", "templates"];
+
+/// Faults after which messages about names in two files do not say which file includes both.
+const EXPLAINED: usize = 1000;
 
 /// The sections of included files by name: the index of the file, and the section.
 pub type Sections<'s> = HashMap<&'static str, Vec<(usize, Node<'s>)>>;
@@ -48,9 +56,12 @@ struct Definer<'s> {
 
 impl<'s> Definer<'s> {
     fn define(&mut self) {
+        // First, because messages about names in two files name the file that includes both.
+        for &index in &self.included.order {
+            self.reach(index);
+        }
         for &index in &self.included.order {
             let Some(file) = self.files.get(index) else { continue };
-            self.inherit(index);
             let root = file.root();
             let (values, templates) = match index {
                 0 => {
@@ -58,6 +69,7 @@ impl<'s> Definer<'s> {
                     (top_field(root, "let"), top_field(root, "templates"))
                 }
                 _ => {
+                    report_word(root);
                     let Some(mut fields) = Fields::of(root, "an included file") else { continue };
                     fields.ignore("include");
                     let mut node = |name| fields.optional(name, Some).flatten();
@@ -82,69 +94,84 @@ impl<'s> Definer<'s> {
         }
     }
 
-    /// Makes the names of included files known to the file that includes them.
-    fn inherit(&mut self, index: usize) {
-        let mut own = std::mem::take(self.module(index));
-        own.used = NO_USE;
+    /// Notes which files a file includes, after those.
+    fn reach(&mut self, index: usize) {
+        let mut own = Module { used: NO_USE, ..Module::default() };
+        own.reach.insert(index);
         for (other, place) in &self.included.sources.get(index).includes {
-            let Some(other) = self.state.modules.get(*other) else { continue };
-            for (name, value) in &other.values {
-                if let Some(before) = own.values.insert(name.clone(), value.clone())
-                    && before.place != value.place
-                {
-                    let fault = twice("value", name, &value.place, &before.place);
-                    self.state.fault(fault.used(place.clone(), "included here"), NO_USE);
-                }
-            }
-            for (name, template) in &other.templates {
-                if let Some(before) = own.templates.insert(name.clone(), Rc::clone(template))
-                    && before.place != template.place
-                {
-                    let fault = twice("template", name, &template.place, &before.place);
-                    self.state.fault(fault.used(place.clone(), "included here"), NO_USE);
-                }
+            let Some(module) = self.state.modules.get_mut(*other) else { continue };
+            own.reach.add(&module.reach);
+            // The entries of a file are used where it is first included.
+            if module.used == NO_USE {
+                module.used = self.state.ledger.used(NO_USE, place, UseKind::Include);
             }
         }
-        *self.module(index) = own;
-        // The entries of a file are used where it is first included.
-        for (other, place) in &self.included.sources.get(index).includes {
-            if self.state.modules.get(*other).is_some_and(|module| module.used == NO_USE) {
-                let used = self.state.ledger.used(NO_USE, place, UseKind::Include);
-                self.module(*other).used = used;
-            }
+        if let Some(module) = self.state.modules.get_mut(index) {
+            *module = own;
         }
-    }
-
-    fn module(&mut self, index: usize) -> &mut Module<'s> {
-        if index >= self.state.modules.len() {
-            self.state.modules.resize_with(index + 1, Module::default);
-        }
-        &mut self.state.modules[index]
     }
 
     /// Values may use those above them, and those of included files.
     fn define_values(&mut self, index: usize, node: Node<'s>) {
-        for Entry { name, key, value } in entries(node, "value").unwrap_or_default() {
+        let Some(entries) = entries(node, "value") else { return self.state.values.miss(index) };
+        for Entry { name, key, value } in entries {
             if name.is_empty() || !check_name(key, &name, "value") {
                 continue;
             }
-            let value = self.state.value(value, key.span(), &self.state.context(index, NO_USE));
-            let before = self.module(index).values.insert(name.clone(), value);
-            // Two names in one `let` have been reported.
-            if let Some(before) = before.filter(|before| !is_within(&before.place, &node.span())) {
-                self.state.fault(twice("value", &name, &key.span(), &before.place), NO_USE);
-            }
+            let (place, context) = (key.span(), self.state.context(index, NO_USE));
+            let value = match value.word() {
+                REPEAT => {
+                    report_misplaced(value, value.head(), REPEAT);
+                    let fragment = Fragment { is_faulty: true, ..Fragment::default() };
+                    Value { number: None, fragment: Rc::new(fragment), place: place.clone() }
+                }
+                _ => self.state.value(value, place.clone(), &context),
+            };
+            let definition = Definition { file: index, place: place.clone(), value };
+            let before = self.state.values.insert(name.clone(), definition);
+            self.report_clash("value", &name, (index, place), before);
         }
     }
 
     fn define_templates(&mut self, index: usize, node: Node<'s>) {
-        for Entry { name, key, value } in entries(node, "template").unwrap_or_default() {
-            let Some(template) = template(value, &name, key.span(), index) else { continue };
-            let before = self.module(index).templates.insert(name.clone(), Rc::new(template));
-            if let Some(before) = before.filter(|before| !is_within(&before.place, &node.span())) {
-                self.state.fault(twice("template", &name, &key.span(), &before.place), NO_USE);
-            }
+        let Some(entries) = entries(node, "template") else { return self.state.templates.miss(index) };
+        for Entry { name, key, value } in entries {
+            // Expressions of templates that nothing uses may have faults, too.
+            self.state.parts(value, NO_USE);
+            let (place, template) = (key.span(), template(value, &name, key.span(), index));
+            let definition = Definition { file: index, place: place.clone(), value: template.map(Rc::new) };
+            let before = self.state.templates.insert(name.clone(), definition);
+            self.report_clash("template", &name, (index, place), before);
         }
+    }
+
+    /// Reports a name that two files define. The sequence sees both.
+    fn report_clash(
+        &self,
+        what: &str,
+        name: &str,
+        (file, place): (usize, Range<usize>),
+        before: Option<(usize, Range<usize>)>,
+    ) {
+        let Some((other, first)) = before.filter(|_| !name.is_empty()) else { return };
+        let title = format!("two {what}s are named `{}`", shortened(name));
+        let fault = Fault::new(place, title, "named again here").also(first, "first named here");
+        let reaches = |index: usize, file| {
+            self.state.modules.get(index).is_some_and(|module| module.reach.contains(file))
+        };
+        // The first file that includes both. The search would take long in files with this many faults.
+        let is_few = self.state.report.len() < EXPLAINED;
+        let order = self.included.order.iter().filter(|_| is_few && !reaches(file, other));
+        let both = order.copied().find(|index| reaches(*index, file) && reaches(*index, other));
+        let includes = both.map(|index| self.included.sources.get(index).includes.as_slice());
+        let place = includes.unwrap_or_default().iter().find(|(index, _)| reaches(*index, file));
+        self.state.fault(
+            match place {
+                Some((_, place)) => fault.used(place.clone(), "included here"),
+                None => fault,
+            },
+            NO_USE,
+        );
     }
 }
 
@@ -160,14 +187,4 @@ fn report_twice(root: Node<'_>) {
             root.fault(fault.also(first.clone(), "first given here"));
         }
     }
-}
-
-fn is_within(inner: &Range<usize>, outer: &Range<usize>) -> bool {
-    outer.contains(&inner.start)
-}
-
-/// The fault of a name that two files define.
-fn twice(what: &str, name: &str, here: &Range<usize>, before: &Range<usize>) -> Fault {
-    let title = format!("two {what}s are named `{}`", shortened(name));
-    Fault::new(here.clone(), title, "named again here").also(before.clone(), "first named here")
 }

@@ -3,15 +3,17 @@
 use super::super::fault::Fault;
 use super::super::names::entries;
 use super::super::node::{File, Node, NodeContent};
+use super::super::symbols::Symbols;
 use super::definitions::{OWN_FIELDS, SECTIONS, Sections, define};
 use super::include::{Included, file};
 use super::objects::{EntryKind, REPEAT, entry};
-use super::parts::without_comma;
+use super::parts::{is_expression, without_comma};
 use super::report::Report;
 use super::source_map::{NO_USE, SourceMap};
-use super::state::{Context, Module, State};
+use super::state::{Context, Meaning, Module, State};
 use super::template::TEMPLATE;
-use super::writer::{Fragment, LARGEST, Ledger};
+use super::visibility::Definitions;
+use super::writer::{Fragment, Ledger};
 use crate::base::files::Root;
 use std::ops::Range;
 use std::path::Path;
@@ -55,18 +57,25 @@ fn is_special(value: Node<'_>) -> bool {
 /// All faults of the expansion.
 pub fn expand(included: &Included, folder: &Path, root: &Root) -> Result<Expanded, Vec<Fault>> {
     let files: Vec<_> = included.sources.iter().map(|source| file(source, folder, root)).collect();
-    let modules = included.sources.iter().map(|_| Module { used: NO_USE, ..Module::default() }).collect();
-    let state = State { ledger: Ledger::default(), report: Report::default(), modules };
+    let state = State {
+        sources: &included.sources,
+        files: &files,
+        root,
+        ledger: Ledger::default(),
+        report: Report::default(),
+        modules: files.iter().map(|_| Module { used: NO_USE, ..Module::default() }).collect(),
+        values: Definitions::default(),
+        templates: Definitions::default(),
+    };
     let (state, sections) = define(state, included, &files);
-    let mut out = Fragment::default();
+    let mut out = Fragment { is_output: true, ..Fragment::default() };
     Writer { included, files: &files, state: &state, sections }.write(&mut out);
     let State { ledger, report, .. } = state;
     for file in &files {
         file.take_faults().into_iter().for_each(|fault| report.push(fault, &ledger, NO_USE));
     }
-    if let Some(place) = ledger.full_at() {
-        let title = format!("the sequence expands to more than {} MiB", LARGEST >> 20);
-        report.push(Fault::new(place, title, "too much from here on"), &ledger, NO_USE);
+    if let Some((limit, place)) = ledger.full_at() {
+        report.push(Fault::new(place, limit.message(), "too much from here on"), &ledger, NO_USE);
     }
     let faults = report.into_faults();
     if faults.is_empty() {
@@ -93,6 +102,8 @@ impl<'s> Writer<'_, 's> {
             // The decoder explains what is wrong with it.
             return self.copy(out, root.span(), NO_USE);
         };
+        // Comments around the sequence stay, too.
+        self.copy(out, 0..root.span().start, NO_USE);
         let mut at = root.span().start;
         let mut is_behind_own = false;
         for (name, value) in &fields {
@@ -122,6 +133,7 @@ impl<'s> Writer<'_, 's> {
             }
         }
         self.write_gap(out, at..root.span().end, is_behind_own);
+        self.copy(out, root.span().end..self.included.sources.get(0).text.len(), NO_USE);
     }
 
     /// Writes the entries of a section: those of included files, then those of the sequence.
@@ -146,7 +158,11 @@ impl<'s> Writer<'_, 's> {
         out.made(&self.state.ledger, "{", &place, NO_USE);
         for (index, node) in included.iter().copied().chain(own.map(|node| (0, node))) {
             let used = self.state.modules.get(index).map_or(NO_USE, |module| module.used);
-            self.write_entries(out, node, noun, kind, &self.state.context(index, used));
+            let context = self.state.context(index, used);
+            match is_expression(node.text()) {
+                true => self.write_value(out, node, (name, noun), &context),
+                false => self.write_entries(out, node, noun, kind, &context),
+            }
         }
         if own.is_none() {
             out.made(&self.state.ledger, "\n    ", &place, NO_USE);
@@ -169,7 +185,7 @@ impl<'s> Writer<'_, 's> {
             self.write_gap(out, at..object.key.span().start, false);
             at = object.value.span().end;
             let before = out.text.len();
-            entry(self.state, out, object, kind, context);
+            entry(self.state, out, object, kind, "", context);
             // An entry may stand for none.
             if out.text.len() > before {
                 out.made(&self.state.ledger, ",", &object.key.span(), context.used);
@@ -178,6 +194,36 @@ impl<'s> Writer<'_, 's> {
         let is_own = context.module == 0;
         if is_own {
             self.write_gap(out, at..node.span().end - 1, false);
+        }
+    }
+
+    /// Writes the entries of a section that is a named value.
+    fn write_value(
+        &self,
+        out: &mut Fragment,
+        node: Node<'s>,
+        (name, noun): (&str, &str),
+        context: &Context<'_>,
+    ) {
+        let value = match self.state.meaning(node, context) {
+            Meaning::Value(value) => value,
+            Meaning::Itself => {
+                entries(node, noun);
+                return;
+            }
+            Meaning::Faulty => return,
+        };
+        let inside = self.state.decoded(value, name, &node.span(), context, |node| {
+            entries(node, noun)?;
+            let last = Symbols::new(&node.text()[1..node.text().len() - 1]).last();
+            let needs_comma = last.is_some_and(|(_, last)| last != ',');
+            Some((node.span().start + 1..node.span().end - 1, needs_comma))
+        });
+        if let Some((inside, needs_comma)) = inside {
+            out.insert(&self.state.ledger, &value.fragment, inside, &node.span(), context.used);
+            if needs_comma {
+                out.made(&self.state.ledger, ",", &node.span(), context.used);
+            }
         }
     }
 

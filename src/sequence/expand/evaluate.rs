@@ -1,17 +1,27 @@
 //! The values of expressions.
 
+use super::super::decimal::is_decimal;
 use super::super::fault::Fault;
 use super::super::suggest::{listed, nearest, shortened};
-use super::expression::{Expression, INDICES, Operator, PI};
+use super::expression::{Expression, INDICES, Operator, PI, is_function};
 use super::number::Number;
 use super::scope::Scope;
 use std::ops::Range;
+
+/// Why an expression has no value.
+pub enum Failure<'e> {
+    Fault(Fault),
+    /// There is no value with the name at this place. Its message names others, so it is made only where it is shown.
+    Unknown(&'e str, &'e Range<usize>),
+    /// It uses a value whose fault has been reported.
+    Reported,
+}
 
 /// The value of an expression: a finite number.
 ///
 /// # Errors
 /// The first fault.
-pub fn evaluate(expression: &Expression, scope: &Scope<'_>) -> Result<Number, Fault> {
+pub fn evaluate<'e>(expression: &'e Expression, scope: &Scope<'_>) -> Result<Number, Failure<'e>> {
     match expression {
         Expression::Number(number) => Ok(*number),
         Expression::Name(name, place) => named(name, place, scope),
@@ -22,9 +32,11 @@ pub fn evaluate(expression: &Expression, scope: &Scope<'_>) -> Result<Number, Fa
                 Operator::Add => left.plus(right),
                 Operator::Subtract => left.minus(right),
                 Operator::Multiply => left.times(right),
-                Operator::Divide if right.is_zero() => return Err(division(place)),
+                Operator::Divide if right.is_zero() => return Err(division(place, "what follows is 0")),
                 Operator::Divide => left.over(right),
-                Operator::Power if left.is_zero() && right.to_f64() < 0.0 => return Err(division(place)),
+                Operator::Power if left.is_zero() && right.to_f64() < 0.0 => {
+                    return Err(division(place, "0 has no negative powers"));
+                }
                 Operator::Power => left.power(right),
             };
             finite(value, place)
@@ -36,27 +48,29 @@ pub fn evaluate(expression: &Expression, scope: &Scope<'_>) -> Result<Number, Fa
             let value = value.map_err(|why| {
                 let listed = numbers.iter().map(|number| number.text()).collect::<Vec<_>>().join(", ");
                 let title = format!("`{}` has no value here", function.name);
-                Fault::new(place.clone(), title, format!("{}({listed}): {why}", function.name))
+                let label = format!("{}({listed}): {why}", function.name);
+                Failure::Fault(Fault::new(place.clone(), title, label))
             })?;
             finite(value, place)
         }
     }
 }
 
-fn division(place: &Range<usize>) -> Fault {
-    Fault::new(place.clone(), "division by 0", "what follows is 0")
+fn division<'e>(place: &Range<usize>, why: &str) -> Failure<'e> {
+    Failure::Fault(Fault::new(place.clone(), "division by 0", why))
 }
 
-fn finite(value: Number, place: &Range<usize>) -> Result<Number, Fault> {
+fn finite<'e>(value: Number, place: &Range<usize>) -> Result<Number, Failure<'e>> {
     let float = value.to_f64();
     if float.is_finite() {
         return Ok(value);
     }
     let why = if float.is_nan() { "has no real value" } else { "is too large" };
-    Err(Fault::new(place.clone(), format!("this part of the expression {why}"), "computed here"))
+    let title = format!("this part of the expression {why}");
+    Err(Failure::Fault(Fault::new(place.clone(), title, "computed here")))
 }
 
-fn named(name: &str, place: &Range<usize>, scope: &Scope<'_>) -> Result<Number, Fault> {
+fn named<'e>(name: &'e str, place: &'e Range<usize>, scope: &Scope<'_>) -> Result<Number, Failure<'e>> {
     if let Some(index) = scope.indices.get(name) {
         return Ok(Number::whole(index.into()));
     }
@@ -64,21 +78,36 @@ fn named(name: &str, place: &Range<usize>, scope: &Scope<'_>) -> Result<Number, 
         return Ok(Number::Float(std::f64::consts::PI));
     }
     match scope.value(name) {
+        Some(value) if value.fragment.is_faulty => Err(Failure::Reported),
         Some(value) => value.number.ok_or_else(|| {
-            let label = format!("it is {}", shortened(value.fragment.text.trim()));
-            let fault = Fault::new(place.clone(), format!("`{}` is not a number", shortened(name)), label);
-            fault.also(value.place.clone(), "defined here").help("only numbers can be used in arithmetic")
+            let text = value.fragment.text.trim();
+            let what = if is_decimal(text) { "too large a number" } else { "not a number" };
+            let title = format!("`{}` is {what}", shortened(name));
+            let fault = Fault::new(place.clone(), title, format!("it is {}", shortened(text)));
+            let fault = fault.also(value.place.clone(), "defined here");
+            Failure::Fault(fault.help("only numbers can be used in arithmetic"))
         }),
-        None => Err(unknown(name, place, scope)),
+        None => Err(Failure::Unknown(name, place)),
+    }
+}
+
+/// The first line of the message about a name without a value.
+pub fn unknown_title(name: &str) -> String {
+    match is_function(name) {
+        true => format!("`{name}` is a function"),
+        false => format!("there is no value `{}`", shortened(name)),
     }
 }
 
 /// The fault of a name without a value.
 pub fn unknown(name: &str, place: &Range<usize>, scope: &Scope<'_>) -> Fault {
+    if is_function(name) {
+        return Fault::new(place.clone(), unknown_title(name), format!("write {name}(...)"));
+    }
     let names = scope.names();
     let near = nearest(name, names.iter().copied());
     let label = near.map_or_else(|| "unknown".to_owned(), |near| format!("did you mean `{near}`?"));
-    let fault = Fault::new(place.clone(), format!("there is no value `{}`", shortened(name)), label);
+    let fault = Fault::new(place.clone(), unknown_title(name), label);
     match names.as_slice() {
         _ if INDICES.contains(&name) => {
             fault.help("`i`, `j` and `k` are the numbers of the copies of a `Repeat`")
@@ -99,15 +128,21 @@ mod tests {
     fn result(text: &str) -> Result<String, Fault> {
         let value = |text: &str| Value {
             number: Number::parse(text),
-            fragment: Rc::new(Fragment { text: text.to_owned(), pieces: Vec::new() }),
+            fragment: Rc::new(Fragment { text: text.to_owned(), ..Fragment::default() }),
             place: 0..0,
         };
         let values: Values = [("r", "2.5"), ("n", "12"), ("wood", "\"oak\"")]
             .map(|(name, text)| (name.to_owned(), value(text)))
             .into();
-        let scope =
-            Scope { values: [Some(&values), None], indices: Indices { numbers: [3, 0, 0], dimensions: 1 } };
-        evaluate(&parse(&format!("\"={text}\""), 0)?, &scope).map(Number::text)
+        let indices = Indices { numbers: [3, 0, 0], dimensions: 1 };
+        let scope = Scope { parameters: Some(&values), file: None, indices };
+        let expression = parse(&format!("\"={text}\""), 0)?;
+        let value = evaluate(&expression, &scope).map_err(|failure| match failure {
+            Failure::Fault(fault) => fault,
+            Failure::Unknown(name, place) => unknown(name, place, &scope),
+            Failure::Reported => panic!("no value has a fault"),
+        });
+        value.map(Number::text)
     }
 
     #[test]
@@ -139,6 +174,10 @@ mod tests {
             ("tan(180)", "0"),
             ("sqrt(16)", "4"),
             ("sqrt(2)", "1.4142135623730951"),
+            ("tan(45) + 12*sin(30)", "7"),
+            ("cos(60)", "0.5"),
+            ("sin(45) - sqrt(0.5)", "0"),
+            ("asin(0.5) + acos(-0.5)", "150"),
             ("asin(1)", "90"),
             ("acos(-1)", "180"),
             ("atan2(1, -1)", "135"),
@@ -148,6 +187,8 @@ mod tests {
             ("ceil(7/2)", "4"),
             ("round(2.5)", "3"),
             ("mod(7, 3) + mod(-1, 4)", "4"),
+            ("mod(2^101, 7)", "4"),
+            ("mod(0.7, 0.1)", "0"),
             ("pi", "3.141592653589793"),
         ] {
             assert_eq!(result(text).as_deref(), Ok(value), "{text}");
@@ -158,7 +199,10 @@ mod tests {
     fn wrong_expressions_are_refused() {
         for (text, title) in [
             ("1 / 0", "division by 0"),
-            ("0 ^ -1", "division by 0"),
+            ("0 ^ -1", "0 has no negative powers"),
+            ("1 / 1e999", "this number is too large"),
+            ("min(1e999, 3)", "this number is too large"),
+            ("sin", "write sin(...)"),
             ("sqrt(-1)", "sqrt(-1): "),
             ("asin(2)", "asin(2): "),
             ("tan(90)", "tan(90): "),
@@ -185,6 +229,8 @@ mod tests {
         let deep = format!("{}1{}", "(".repeat(400), ")".repeat(400));
         assert!(format!("{:?}", result(&deep)).contains("nested too deeply"));
         assert!(format!("{:?}", result(&"1+".repeat(600))).contains("too long"));
+        // Characters count, not bytes.
+        assert!(format!("{:?}", result(&"ä".repeat(999))).contains("there is no value"));
         assert_eq!(result(&format!("{}1", "1+".repeat(499))).as_deref(), Ok("500"));
     }
 }

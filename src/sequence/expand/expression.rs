@@ -1,12 +1,13 @@
 //! The notation of expressions: `"= 2 * r + 1"`.
 
+use super::super::decimal::is_decimal;
 use super::super::fault::Fault;
 use super::super::suggest::{listed, nearest, shortened};
 use super::functions::{FUNCTIONS, Function};
 use super::number::Number;
 use std::ops::Range;
 
-/// Longest expression in bytes. It bounds how deep its tree can be.
+/// Most characters of an expression. They bound how deep its tree can be.
 const LONGEST: usize = 1000;
 
 /// Deepest brackets and signs.
@@ -51,7 +52,11 @@ pub fn is_name(text: &str) -> bool {
 
 /// Whether expressions use this name for something else.
 pub fn is_reserved(name: &str) -> bool {
-    name == PI || INDICES.contains(&name) || FUNCTIONS.iter().any(|function| function.name == name)
+    name == PI || INDICES.contains(&name) || is_function(name)
+}
+
+pub fn is_function(name: &str) -> bool {
+    FUNCTIONS.iter().any(|function| function.name == name)
 }
 
 fn is_first(c: char) -> bool {
@@ -69,7 +74,7 @@ fn is_letter(c: char) -> bool {
 pub fn parse(quoted: &str, at: usize) -> Result<Expression, Fault> {
     let text = quoted.strip_prefix("\"=").and_then(|text| text.strip_suffix('"')).unwrap_or_default();
     let whole = at..at + quoted.len();
-    if text.len() > LONGEST {
+    if text.chars().count() > LONGEST {
         let title = format!("an expression has at most {LONGEST} characters");
         return Err(Fault::new(whole, title, "too long").help("give parts of it names in `let`"));
     }
@@ -250,8 +255,11 @@ impl Parser<'_> {
         self.at = end;
         let text = &self.text[from..end];
         let number = Number::parse(text).map(Expression::Number);
-        number.ok_or_else(|| {
-            Fault::new(self.span(from), "this is not a number", "write numbers like 2, 0.5 or 1.5e-3")
+        number.ok_or_else(|| match is_decimal(text) {
+            true => Fault::new(self.span(from), "this number is too large", "numbers are below 1.8e308"),
+            false => {
+                Fault::new(self.span(from), "this is not a number", "write numbers like 2, 0.5 or 1.5e-3")
+            }
         })
     }
 

@@ -1,7 +1,7 @@
 //! Functions of expressions. Angles are in degrees, as everywhere in the file.
 
+use super::angles;
 use super::number::Number;
-use crate::base::math::Angle;
 
 /// A function, with the least and the largest number of its arguments.
 #[derive(Clone, Copy)]
@@ -21,15 +21,12 @@ pub const FUNCTIONS: [Function; 14] = [
         root if root.to_f64() < 0.0 => Err("the root of a negative number does not exist"),
         root => Ok(square_root(root)),
     }),
-    function("sin", 1, 1, |n| Ok(Number::Float(cos_sin(n).1))),
-    function("cos", 1, 1, |n| Ok(Number::Float(cos_sin(n).0))),
-    function("tan", 1, 1, |n| match cos_sin(n) {
-        (0.0, _) => Err("the tangent is infinite here"),
-        (cos, sin) => Ok(Number::Float(sin / cos)),
-    }),
-    function("asin", 1, 1, |n| inverse(n, libm::asin)),
-    function("acos", 1, 1, |n| inverse(n, libm::acos)),
-    function("atan2", 2, 2, |n| Ok(degrees(libm::atan2(float(n, 0), float(n, 1))))),
+    function("sin", 1, 1, |n| Ok(angles::sine(only(n)))),
+    function("cos", 1, 1, |n| Ok(angles::cosine(only(n)))),
+    function("tan", 1, 1, |n| angles::tangent(only(n)).ok_or("the tangent is infinite here")),
+    function("asin", 1, 1, |n| angles::arc_sine(only(n)).ok_or("its argument must be from -1 to 1")),
+    function("acos", 1, 1, |n| angles::arc_cosine(only(n)).ok_or("its argument must be from -1 to 1")),
+    function("atan2", 2, 2, |n| Ok(angles::arc_tangent(only(n), second(n)))),
     function("min", 1, MANY, |n| Ok(extreme(n, |a, b| a.is_less(b)))),
     function("max", 1, MANY, |n| Ok(extreme(n, |a, b| b.is_less(a)))),
     function("abs", 1, 1, |n| {
@@ -55,8 +52,9 @@ fn only(arguments: &[Number]) -> Number {
     arguments.first().copied().unwrap_or(Number::Float(f64::NAN))
 }
 
-fn float(arguments: &[Number], index: usize) -> f64 {
-    arguments.get(index).map_or(f64::NAN, |number| number.to_f64())
+/// The second argument of functions with two.
+fn second(arguments: &[Number]) -> Number {
+    only(arguments.get(1..).unwrap_or_default())
 }
 
 /// Exact for the squares of whole numbers up to 2^53.
@@ -64,24 +62,6 @@ fn square_root(value: Number) -> Number {
     let root = value.to_f64().sqrt();
     let whole = Number::whole(root as i128);
     if whole.times(whole) == value { whole } else { Number::Float(root) }
-}
-
-/// (cosine, sine), exact at quarter turns.
-fn cos_sin(arguments: &[Number]) -> (f64, f64) {
-    Angle(float(arguments, 0)).cos_sin().into()
-}
-
-/// An angle in degrees, from a ratio between -1 and 1.
-fn inverse(arguments: &[Number], function: fn(f64) -> f64) -> Result<Number, &'static str> {
-    let ratio = float(arguments, 0);
-    if (-1.0..=1.0).contains(&ratio) {
-        return Ok(degrees(function(ratio)));
-    }
-    Err("its argument must be from -1 to 1")
-}
-
-fn degrees(radians: f64) -> Number {
-    Number::Float(Angle::from_radians(radians).0)
 }
 
 fn extreme(arguments: &[Number], is_better: impl Fn(Number, Number) -> bool) -> Number {
@@ -94,10 +74,6 @@ fn extreme(arguments: &[Number], is_better: impl Fn(Number, Number) -> bool) -> 
 
 /// The remainder with the sign of the divisor: a - b · floor(a / b).
 fn modulo(arguments: &[Number]) -> Result<Number, &'static str> {
-    let (a, b) = (only(arguments), only(arguments.get(1..).unwrap_or_default()));
-    if b.is_zero() {
-        return Err("division by 0");
-    }
-    let whole = a.over(b).mapped(|value| value.floor(), f64::floor);
-    Ok(a.minus(b.times(whole)))
+    let (a, b) = (only(arguments), second(arguments));
+    if b.is_zero() { Err("division by 0") } else { Ok(a.modulo(b)) }
 }

@@ -4,10 +4,13 @@ use super::super::fault::Fault;
 use super::super::node::{File, Node, NodeContent};
 use super::super::suggest::shortened;
 use super::super::syntax;
-use super::super::values::{list, text};
+use super::super::values::{PATHS, list, text};
+use super::parts::is_expression;
 use super::source::{Source, Sources};
+use super::state::NO_EXPRESSION;
 use super::writer::LARGEST;
 use crate::base::files::{self, Root};
+use std::io;
 use std::ops::Range;
 use std::path::Path;
 
@@ -28,6 +31,13 @@ pub fn file<'s>(source: &'s Source, folder: &Path, root: &Root) -> File<'s> {
     let mut file = File::new(&source.text, folder, root.clone(), source.is_common);
     file.base = source.base;
     file
+}
+
+/// Why a file is not included.
+struct Refusal {
+    why: String,
+    /// Whether another path may help.
+    is_path: bool,
 }
 
 /// The texts of a sequence.
@@ -68,11 +78,12 @@ impl Reader<'_> {
             match self.include(&folder.join(&name), &place) {
                 Ok(Some(included)) => self.sources.get_mut(index).includes.push((included, place)),
                 Ok(None) => {}
-                Err(why) => {
+                Err(Refusal { why, is_path }) => {
                     let title = format!("cannot include {:?}", shortened(&name));
                     let fault = Fault::new(place, title, why);
-                    self.faults
-                        .push(fault.help("paths are relative to the folder of the file that includes them"));
+                    let fault = if is_path { fault.help(PATHS) } else { fault };
+                    let is_expression = is_path && name.starts_with('=');
+                    self.faults.push(if is_expression { fault.help(NO_EXPRESSION) } else { fault });
                 }
             }
         }
@@ -81,20 +92,23 @@ impl Reader<'_> {
     /// The names of the files that a text includes, with their places.
     fn names(&mut self, index: usize) -> Vec<(String, Range<usize>)> {
         let file = file(self.sources.get(index), self.folder, self.root);
-        let names = top_field(file.root(), "include")
-            .and_then(|node| list(node, "file names", |item| Some((text(item)?, item.span()))));
+        let field = top_field(file.root(), "include");
+        let is_expression = field.is_some_and(|node| is_expression(node.text()));
+        let names = field.and_then(|node| list(node, "file names", |item| Some((text(item)?, item.span()))));
         let faults = file.into_faults();
         self.faults.extend(faults.into_iter().map(|mut fault| {
             fault.name_field("include");
-            fault
+            if is_expression { fault.help(NO_EXPRESSION) } else { fault }
         }));
         names.unwrap_or_default()
     }
 
     /// The index of the file with this path, relative to the sequence's folder. None after a fault in it.
-    fn include(&mut self, relative: &Path, place: &Range<usize>) -> Result<Option<usize>, String> {
+    fn include(&mut self, relative: &Path, place: &Range<usize>) -> Result<Option<usize>, Refusal> {
+        let limit = |why: String| Refusal { why, is_path: false };
+        let unreadable = |error: &io::Error| Refusal { why: files::describe(error), is_path: true };
         let shown = self.folder.join(relative);
-        let path = self.root.admit(&shown).map_err(|error| files::describe(&error))?;
+        let path = self.root.admit(&shown).map_err(|error| unreadable(&error))?;
         let known = |source: &Source| source.path.as_ref() == Some(&path);
         let index = self.sources.iter().position(known);
         if let Some(index) = index {
@@ -104,20 +118,21 @@ impl Reader<'_> {
             }
             return Ok(Some(index));
         }
-        if self.sources.len() > MOST_FILES || self.open.len() > DEEPEST {
-            return Err(format!(
-                "more than {MOST_FILES} files, or more than {DEEPEST} that include each other"
-            ));
+        if self.sources.len() > MOST_FILES {
+            return Err(limit(format!("a sequence includes at most {MOST_FILES} files")));
+        }
+        if self.open.len() > DEEPEST {
+            return Err(limit(format!("files include each other at most {DEEPEST} deep")));
         }
         let read: usize = self.sources.iter().map(|source| source.text.len()).sum();
         let bytes = files::read(&path, (LARGEST - read.min(LARGEST)) as u64);
         let bytes = bytes.map_err(|error| match error.kind() {
-            std::io::ErrorKind::FileTooLarge => {
-                "all files of a sequence together have at most 64 MiB".to_owned()
+            io::ErrorKind::FileTooLarge => {
+                limit(format!("all files of a sequence together have at most {} MiB", LARGEST >> 20))
             }
-            _ => files::describe(&error),
+            _ => unreadable(&error),
         })?;
-        let text = files::utf8(bytes)?;
+        let text = files::utf8(bytes).map_err(limit)?;
         let text = text.strip_prefix('\u{feff}').map_or_else(|| text.clone(), str::to_owned);
         let base = self.sources.end();
         let (is_common, faults) = syntax::checked(&text);

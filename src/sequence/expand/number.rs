@@ -1,6 +1,7 @@
 //! Numbers of expressions: exact fractions as long as possible.
 
 use super::super::decimal::{exact, is_decimal};
+use super::rounding::nearest;
 use num_rational::Ratio;
 
 /// Decimal places of a literal that are kept exactly.
@@ -23,11 +24,13 @@ pub enum Number {
 }
 
 impl Number {
-    /// A decimal number of the file; `None` for other texts.
+    /// A decimal number of the file; `None` for other texts, and for numbers that are too large for an `f64`.
     pub fn parse(text: &str) -> Option<Self> {
         match exact(text, MAX_PLACES) {
             Ok(value) if is_small(&value) => Some(Self::Exact(value)),
-            _ if is_decimal(text) => text.replace('_', "").parse().ok().map(Self::Float),
+            _ if is_decimal(text) => {
+                text.replace('_', "").parse().ok().filter(|value: &f64| value.is_finite()).map(Self::Float)
+            }
             _ => None,
         }
     }
@@ -36,11 +39,10 @@ impl Number {
         Self::Exact(Ratio::from_integer(value))
     }
 
-    /// The nearest `f64` if numerator and denominator have at most 53 bits; otherwise the error is below 2 ulp.
+    /// The nearest `f64`.
     pub fn to_f64(self) -> f64 {
         match self {
-            Self::Exact(value) if value.is_integer() => *value.numer() as f64,
-            Self::Exact(value) => *value.numer() as f64 / *value.denom() as f64,
+            Self::Exact(value) => nearest(&value),
             Self::Float(value) => value,
         }
     }
@@ -116,6 +118,12 @@ impl Number {
         self.combined(other, |a, b| product(a, &reciprocal(b)?), |a, b| a / b)
     }
 
+    /// The remainder with the sign of the divisor, which is not 0: from 0 to below the divisor. Exact for exact numbers,
+    /// unless their products are too large.
+    pub fn modulo(self, divisor: Self) -> Self {
+        self.combined(divisor, exact_modulo, float_modulo)
+    }
+
     /// A power; exact for whole exponents, as long as the result is small.
     pub fn power(self, exponent: Self) -> Self {
         /// Larger exponents give results beyond all limits, unless the base is nearly 1.
@@ -156,6 +164,29 @@ fn sum(a: &Ratio<i128>, b: &Ratio<i128>) -> Option<Ratio<i128>> {
 
 fn product(a: &Ratio<i128>, b: &Ratio<i128>) -> Option<Ratio<i128>> {
     Some(reduced(a.numer().checked_mul(*b.numer())?, a.denom().checked_mul(*b.denom())?))
+}
+
+fn exact_modulo(a: &Ratio<i128>, b: &Ratio<i128>) -> Option<Ratio<i128>> {
+    let (left, right) = (a.numer().checked_mul(*b.denom())?, b.numer().checked_mul(*a.denom())?);
+    let rest = left % right;
+    let rest = if rest != 0 && (rest < 0) != (right < 0) { rest + right } else { rest };
+    Some(reduced(rest, a.denom().checked_mul(*b.denom())?))
+}
+
+/// `fmod` is exact. Only the move to the sign of the divisor rounds, and may reach the divisor.
+fn float_modulo(a: f64, b: f64) -> f64 {
+    let rest = libm::fmod(a, b);
+    if rest == 0.0 {
+        return 0.0;
+    }
+    if (rest < 0.0) == (b < 0.0) {
+        return rest;
+    }
+    match rest + b {
+        moved if moved != b => moved,
+        _ if b > 0.0 => b.next_down(),
+        _ => b.next_up(),
+    }
 }
 
 fn reciprocal(value: &Ratio<i128>) -> Option<Ratio<i128>> {
@@ -222,6 +253,35 @@ mod tests {
         assert_eq!(number("2").power(number("0.5")).text(), 2.0f64.sqrt().to_string());
         assert_eq!(Number::Float(-0.0).text(), "0");
         assert_eq!(Number::parse("1.2.3"), None);
+    }
+
+    #[test]
+    fn literals_are_finite() {
+        assert_eq!(Number::parse("1e999"), None);
+        assert_eq!(Number::parse("-1e999"), None);
+        assert_eq!(Number::parse("1e-999"), Some(Number::Float(0.0)));
+    }
+
+    #[test]
+    fn remainders_are_below_the_divisor() {
+        assert_eq!(number("-7").modulo(number("3")).text(), "2");
+        assert_eq!(number("7").modulo(number("-3")).text(), "-2");
+        assert_eq!(number("1.7").modulo(number("0.1")).text(), "0");
+        assert_eq!(Number::Float(libm::exp2(101.0)).modulo(number("7")).text(), "4");
+        let mut random = crate::testing::Random(5);
+        let mut float = || (random.unit() - 0.5) * libm::exp10(40.0 * random.unit() - 20.0);
+        for _ in 0..10_000 {
+            let (a, b) = (float(), float());
+            let rest = Number::Float(a).modulo(Number::Float(b)).to_f64();
+            assert!(
+                if b > 0.0 { (0.0..b).contains(&rest) } else { b < rest && rest <= 0.0 },
+                "{a} {b} {rest}"
+            );
+        }
+        for (a, b) in [(1.7, 0.1), (-1e-20, 1.0), (1e-20, -1.0)] {
+            let rest = Number::Float(a).modulo(Number::Float(b)).to_f64();
+            assert!(rest / b >= 0.0 && rest / b < 1.0, "{a} {b} {rest}");
+        }
     }
 
     #[test]

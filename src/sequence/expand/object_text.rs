@@ -5,16 +5,20 @@ use super::super::node::{Node, NodeContent};
 use super::super::values::text;
 use super::count::Steps;
 use super::expression::Expression;
+use super::object_source::ObjectSource;
 use super::parts::{Part, is_expression};
-use super::source::quoted;
-use super::state::{Context, State};
+use super::source::quoted_value;
+use super::state::{Context, Meaning, State};
 use super::template::{TEMPLATE, WITH};
+use std::collections::HashSet;
+use std::ops::Range;
 
 /// The text of an object with changed fields.
 pub struct ObjectText<'o, 's> {
     pub state: &'o State<'s>,
-    pub node: Node<'s>,
-    pub fields: &'o [(&'s str, Node<'s>)],
+    pub node: Node<'o>,
+    pub fields: &'o [(&'o str, Node<'o>)],
+    pub source: &'o ObjectSource,
     pub context: &'o Context<'o>,
 }
 
@@ -23,23 +27,23 @@ impl<'s> ObjectText<'_, 's> {
     /// template.
     pub fn parts(&self, shift: Option<&Steps>, is_group: bool) -> Option<Vec<Part<'s>>> {
         let (node, file) = (self.node, self.node.file);
-        let made = |text: String| Part::Made(text, node.head());
+        let head = self.source.place(node.head());
+        let made = |text: String| Part::Made(text, head.clone());
         let has = |name| self.fields.iter().any(|(found, _)| *found == name);
         let mut parts = vec![made("(".to_owned())];
         if is_group {
             parts.push(made("shape: Group, ".to_owned()));
         }
         if let (Some(group), false) = (self.context.group, has("parent")) {
-            parts.push(made(format!("parent: {}, ", quoted(group))));
+            parts.push(made(format!("parent: {}, ", quoted_value(group))));
         }
         if let Some(shift) = shift {
             if let Some((name, _)) = self.fields.iter().find(|(name, _)| *name == "poses") {
-                let fault = Fault::new(
-                    shift.place.clone(),
-                    "`step` cannot move objects with `poses`",
-                    "one too many",
-                );
-                node.fault(fault.also(file.span_of(name), "the places of the object are given here"));
+                let title = "`step` cannot move objects with `poses`";
+                let fault = Fault::new(shift.place.clone(), title, "one too many");
+                let poses = self.source.place(file.span_of(name));
+                let fault = fault.also(poses, "the places of the object are given here");
+                self.state.fault(fault, self.context.used);
                 return None;
             }
             if !has("translation") {
@@ -50,23 +54,19 @@ impl<'s> ObjectText<'_, 's> {
         for (name, value) in
             self.fields.iter().filter(|(name, _)| !is_group || ![TEMPLATE, WITH].contains(name))
         {
-            let start = file.span_of(name).start;
+            let (start, place) = (file.span_of(name).start, value.span());
             parts.push(made(separator.to_owned()));
             separator = ", ";
-            let (from, to) = (start - node.span().start, value.span().start - node.span().start);
             match (*name, shift) {
                 ("parent", _) => {
-                    parts.push(Part::Copy(&node.text()[from..to], start));
-                    self.parent(*value, &mut parts);
+                    parts.extend(self.copied(start..place.start));
+                    parts.extend(self.parent(*value)?);
                 }
                 ("translation", Some(shift)) => {
-                    parts.push(Part::Copy(&node.text()[from..to], start));
-                    self.shifted(*value, shift, &mut parts)?;
+                    parts.extend(self.copied(start..place.start));
+                    parts.extend(self.translation(*value, shift)?);
                 }
-                _ => {
-                    let text = &node.text()[from..to + value.text().len()];
-                    parts.extend(self.state.parts_of(text, start, self.context.used));
-                }
+                _ => parts.extend(self.copied(start..place.end)),
             }
         }
         parts.push(made(")".to_owned()));
@@ -74,41 +74,61 @@ impl<'s> ObjectText<'_, 's> {
         Some(parts)
     }
 
-    /// The parent of an object of a template is another object of it.
-    fn parent(&self, node: Node<'s>, parts: &mut Vec<Part<'s>>) {
-        match self.context.group {
-            Some(_) if node.is_text() && !is_expression(node.text()) => {
-                if let Some(name) = text(node) {
-                    parts.push(Part::Made(quoted(&self.context.full_name(&name)), node.span()));
-                }
+    /// The parts of a place of the text.
+    fn copied(&self, span: Range<usize>) -> Vec<Part<'s>> {
+        self.source.parts(self.state, span, self.context)
+    }
+
+    /// The parent of an object of a template is another object of it. A value may also name one of the whole sequence.
+    fn parent(&self, node: Node<'_>) -> Option<Vec<Part<'s>>> {
+        let as_written = || Some(self.copied(node.span()));
+        let (Some(_), Some(open)) = (self.context.group, self.context.open) else { return as_written() };
+        let (name, is_written) = match (self.state.meaning(node, self.context), self.source) {
+            (Meaning::Faulty, _) => return None,
+            (Meaning::Value(value), _) => {
+                (self.state.decoded(value, "parent", &node.span(), self.context, text)?, false)
             }
-            _ => parts.extend(self.state.parts(node, self.context.used)),
+            (Meaning::Itself, _) if !node.is_text() || is_expression(node.text()) => return as_written(),
+            (Meaning::Itself, source) => (text(node)?, matches!(source, ObjectSource::File)),
+        };
+        if !is_written && !names_one_of(&name, open.objects) {
+            return as_written();
         }
+        let place = self.source.place(node.span());
+        Some(vec![Part::Made(quoted_value(&self.context.full_name(&name)), place)])
     }
 
     /// A constant or keyed translation, shifted from copy to copy.
-    fn shifted(&self, node: Node<'s>, shift: &Steps, parts: &mut Vec<Part<'s>>) -> Option<()> {
-        let (text, start) = (node.text(), node.span().start);
+    fn translation(&self, node: Node<'_>, shift: &Steps) -> Option<Vec<Part<'s>>> {
+        match self.state.meaning(node, self.context) {
+            Meaning::Itself => self.shifted(node, self.source, shift),
+            Meaning::Value(value) => {
+                let source = ObjectSource::Value(value.clone(), node.span());
+                let shifted = |node: Node<'_>| self.shifted(node, &source, shift);
+                self.state.decoded(value, "translation", &node.span(), self.context, shifted)
+            }
+            Meaning::Faulty => None,
+        }
+    }
+
+    fn shifted(&self, node: Node<'_>, source: &ObjectSource, shift: &Steps) -> Option<Vec<Part<'s>>> {
+        let mut parts = Vec::new();
         let vectors = vectors(node)?;
-        let mut at = 0;
+        let mut at = node.span().start;
         for coordinates in vectors {
             for (axis, coordinate) in coordinates.into_iter().enumerate() {
                 let place = coordinate.span();
                 let value = self.operand(coordinate)?;
-                parts.extend(self.state.parts_of(
-                    &text[at..place.start - start],
-                    start + at,
-                    self.context.used,
-                ));
-                parts.push(Part::Value(shift.coordinate(axis, value), place.clone()));
-                at = place.end - start;
+                parts.extend(source.parts(self.state, at..place.start, self.context));
+                at = place.end;
+                parts.push(Part::Value(shift.coordinate(axis, value), source.place(place)));
             }
         }
-        parts.extend(self.state.parts_of(&text[at..], start + at, self.context.used));
-        Some(())
+        parts.extend(source.parts(self.state, at..node.span().end, self.context));
+        Some(parts)
     }
 
-    fn operand(&self, node: Node<'s>) -> Option<Expression> {
+    fn operand(&self, node: Node<'_>) -> Option<Expression> {
         let operand = self.state.operand(node, self.context.used);
         if operand.is_none() && !is_expression(node.text()) {
             node.expected("a number");
@@ -117,8 +137,14 @@ impl<'s> ObjectText<'_, 's> {
     }
 }
 
+/// Whether a name is that of an object of a template, of a copy of it, or of an object below it.
+fn names_one_of(name: &str, objects: &HashSet<String>) -> bool {
+    let ends = name.match_indices(['[', '/']).map(|(at, _)| at).chain([name.len()]);
+    ends.into_iter().any(|end| objects.contains(&name[..end]))
+}
+
 /// The coordinates of a constant vector, or of the vectors of all keys.
-fn vectors<'s>(node: Node<'s>) -> Option<Vec<Vec<Node<'s>>>> {
+fn vectors(node: Node<'_>) -> Option<Vec<Vec<Node<'_>>>> {
     let wrong = || {
         let fault = node.mismatch("numbers (x, y, z), or keys of them");
         node.fault(fault.help("`step` adds to each coordinate, so all of them must be written here"));
@@ -144,7 +170,7 @@ fn vectors<'s>(node: Node<'s>) -> Option<Vec<Vec<Node<'s>>>> {
 }
 
 /// The value of a key: `(time, value)`, with or without an easing, or `(t: time, v: value)`.
-fn key_value<'s>(node: Node<'s>) -> Option<Node<'s>> {
+fn key_value(node: Node<'_>) -> Option<Node<'_>> {
     match node.content()? {
         NodeContent::Tuple(items) if node.word().is_empty() => items.get(1).copied(),
         NodeContent::Fields(fields) => {

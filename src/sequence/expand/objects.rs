@@ -5,12 +5,14 @@ use super::super::fields::Fields;
 use super::super::names::Entry;
 use super::super::node::{Node, NodeContent};
 use super::count::{Steps, count, steps};
+use super::misplaced::report_misplaced;
+use super::object_source::ObjectSource;
 use super::object_text::ObjectText;
 use super::parts::Part;
 use super::scope::{Indices, Scope};
 use super::source::quoted;
 use super::source_map::UseKind;
-use super::state::{Context, Open, State};
+use super::state::{Context, Meaning, Open, State};
 use super::template::{Instance, TEMPLATE, WITH};
 use super::writer::Fragment;
 
@@ -29,12 +31,14 @@ pub enum EntryKind {
 /// Separates entries that have no separator in a file.
 const SEPARATOR: &str = ",\n        ";
 
-/// Writes an entry and everything that it stands for, without a comma at its end.
+/// Writes an entry and everything that it stands for, with `separator` in front and without a comma at its end. It may
+/// stand for nothing; then nothing is written.
 pub fn entry<'s>(
     state: &State<'s>,
     out: &mut Fragment,
     entry: &Entry<'s>,
     kind: EntryKind,
+    separator: &str,
     context: &Context<'_>,
 ) {
     // A name that is not valid has been reported.
@@ -42,11 +46,11 @@ pub fn entry<'s>(
         return;
     }
     if entry.value.word() == REPEAT && kind != EntryKind::Other {
-        repeated(state, out, entry, kind, context);
+        repeated(state, out, entry, kind, separator, context);
         return;
     }
     if let Some(prepared) = Prepared::new(state, entry.value, None, kind, context) {
-        prepared.write(state, out, entry, "", "", context);
+        prepared.write(state, out, entry, separator, "", context);
     }
 }
 
@@ -56,6 +60,7 @@ fn repeated<'s>(
     out: &mut Fragment,
     entry: &Entry<'s>,
     kind: EntryKind,
+    mut separator: &str,
     context: &Context<'_>,
 ) {
     let Some(mut fields) = Fields::of(entry.value, "`Repeat`") else { return };
@@ -92,11 +97,13 @@ fn repeated<'s>(
         return;
     }
     let Some(prepared) = Prepared::new(state, value, shift.as_ref(), kind, &inside([0; 3])) else { return };
-    let mut separator = "";
+    let mut is_first = true;
     for indices in count.copies() {
         if state.ledger.is_full() {
             return;
         }
+        let (found, different) = (state.report.found(), state.report.len());
+        let before = if is_first { state.found_faults() } else { 0 };
         let copy = UseKind::Copy { indices: indices.numbers, dimensions };
         let context =
             Context { used: state.ledger.used(context.used, &place, copy), ..inside(indices.numbers) };
@@ -104,6 +111,12 @@ fn repeated<'s>(
         let suffix = format!("[{}]", numbers.collect::<Vec<_>>().join(","));
         prepared.write(state, out, entry, separator, &suffix, &context);
         separator = SEPARATOR;
+        // Further copies would have the same faults, and would take long to report them.
+        let has_known = state.report.found() > found && state.report.len() == different;
+        if has_known || is_first && state.found_faults() > before && state.report.len() == different {
+            return;
+        }
+        is_first = false;
     }
 }
 
@@ -116,6 +129,7 @@ struct Prepared<'s> {
 }
 
 impl<'s> Prepared<'s> {
+    /// Nothing if the entry has a fault, which is reported.
     fn new(
         state: &State<'s>,
         node: Node<'s>,
@@ -123,13 +137,45 @@ impl<'s> Prepared<'s> {
         kind: EntryKind,
         context: &Context<'_>,
     ) -> Option<Self> {
+        let is_changed = shift.is_some() || context.group.is_some();
+        if kind != EntryKind::Object {
+            return Some(Self { parts: state.parts(node, context.used), instance: None });
+        }
+        match state.meaning(node, context) {
+            Meaning::Value(value) if is_changed => {
+                let source = ObjectSource::Value(value.clone(), node.span());
+                let prepare = |node: Node<'_>| Self::object(state, node, &source, shift, context);
+                state.decoded(value, "", &node.span(), context, prepare)
+            }
+            Meaning::Faulty => None,
+            _ => Self::object(state, node, &ObjectSource::File, shift, context),
+        }
+    }
+
+    fn object(
+        state: &State<'s>,
+        node: Node<'_>,
+        source: &ObjectSource,
+        shift: Option<&Steps>,
+        context: &Context<'_>,
+    ) -> Option<Self> {
+        let is_value = matches!(source, ObjectSource::Value(..));
+        if is_value && node.word() == REPEAT {
+            report_misplaced(node, node.head(), REPEAT);
+            return None;
+        }
         let fields = match node.content()? {
-            NodeContent::Fields(fields) if kind == EntryKind::Object => fields,
-            NodeContent::Tuple(items) if kind == EntryKind::Object && items.is_empty() => Vec::new(),
-            _ => return Some(Self { parts: state.parts(node, context.used), instance: None }),
+            NodeContent::Fields(fields) => fields,
+            NodeContent::Tuple(items) if items.is_empty() => Vec::new(),
+            // The decoder explains what is wrong with it.
+            _ => return Some(Self { parts: source.parts(state, node.span(), context), instance: None }),
         };
         let field = |name| fields.iter().find(|(found, _)| *found == name).map(|(_, node)| *node);
         let instance = match (field(TEMPLATE), field(WITH)) {
+            (Some(template), _) if is_value => {
+                report_misplaced(node, template.span(), TEMPLATE);
+                return None;
+            }
             (Some(template), with) => {
                 if let Some(shape) = field("shape").or(field("material")) {
                     let title = "an object of a template has the shapes and materials of the template";
@@ -147,9 +193,9 @@ impl<'s> Prepared<'s> {
             (None, _) => None,
         };
         if instance.is_none() && context.group.is_none() && shift.is_none() {
-            return Some(Self { parts: state.parts(node, context.used), instance });
+            return Some(Self { parts: source.parts(state, node.span(), context), instance });
         }
-        let own = ObjectText { state, node, fields: &fields, context };
+        let own = ObjectText { state, node, fields: &fields, source, context };
         Some(Self { parts: own.parts(shift, instance.is_some())?, instance })
     }
 
@@ -165,7 +211,7 @@ impl<'s> Prepared<'s> {
     ) {
         let place = entry.key.span();
         let name = context.full_name(&format!("{}{suffix}", entry.name));
-        if suffix.is_empty() && context.group.is_none() {
+        if suffix.is_empty() && context.group.is_none() && separator.is_empty() {
             out.copy(&state.ledger, entry.key.text(), place.start, context.used);
             out.made(&state.ledger, ": ", &place, context.used);
         } else {
@@ -186,12 +232,18 @@ fn write_objects<'s>(
     name: &str,
     context: &Context<'_>,
 ) {
+    let held = state.ledger.held();
     let (values, template) = (instance.values(state, context), &instance.template);
     let Some(entries) = template.entries() else { return };
-    let module = state.modules.get(template.module).map(|module| &module.values);
-    let open = Open { template: &template.name, place: template.place.clone(), around: context.open };
+    let open = Open {
+        template: &template.name,
+        objects: template.names(),
+        place: template.place.clone(),
+        around: context.open,
+    };
+    let file = state.values_of(template.module);
     let inside = Context {
-        scope: Scope { values: [Some(&values), module], indices: Indices::default() },
+        scope: Scope { parameters: Some(&values), file, indices: Indices::default() },
         used: state.ledger.used(context.used, &instance.place, UseKind::Template),
         module: template.module,
         group: Some(name),
@@ -201,7 +253,8 @@ fn write_objects<'s>(
         if state.ledger.is_full() {
             return;
         }
-        out.made(&state.ledger, SEPARATOR, &object.key.span(), inside.used);
-        entry(state, out, object, EntryKind::Object, &inside);
+        entry(state, out, object, EntryKind::Object, SEPARATOR, &inside);
     }
+    // The values of the parameters are gone.
+    state.ledger.release(held);
 }

@@ -3,7 +3,9 @@
 use super::super::fault::Fault;
 use super::super::symbols::{Symbols, token};
 use super::expression::{self, Expression};
+use super::writer::Fragment;
 use std::ops::Range;
+use std::rc::Rc;
 
 /// A part of an expanded text. Places are bytes of all sources.
 #[derive(Debug)]
@@ -14,6 +16,10 @@ pub enum Part<'s> {
     Value(Expression, Range<usize>),
     /// A text that was made because of this place.
     Made(String, Range<usize>),
+    /// A part of a named value, which is used at this place.
+    Slice(Rc<Fragment>, Range<usize>, Range<usize>),
+    /// An expression with a fault, which has been reported.
+    Faulty,
 }
 
 /// Whether a value is an expression: a text that begins with `"=`. Raw texts, `r"= 5"`, are not.
@@ -21,7 +27,7 @@ pub fn is_expression(text: &str) -> bool {
     text.starts_with("\"=")
 }
 
-/// The parts of a text that begins at byte `from` of all sources. Expressions with a fault are left out.
+/// The parts of a text that begins at byte `from` of all sources. Reports the faults of expressions.
 pub fn parts<'s>(text: &'s str, from: usize, faults: &mut Vec<Fault>) -> Vec<Part<'s>> {
     let (mut parts, mut at) = (Vec::new(), 0);
     for Range { start, end } in expressions(text) {
@@ -29,7 +35,10 @@ pub fn parts<'s>(text: &'s str, from: usize, faults: &mut Vec<Fault>) -> Vec<Par
         at = end;
         match expression::parse(&text[start..end], from + start) {
             Ok(expression) => parts.push(Part::Value(expression, from + start..from + end)),
-            Err(fault) => faults.push(fault),
+            Err(fault) => {
+                faults.push(fault);
+                parts.push(Part::Faulty);
+            }
         }
     }
     parts.push(Part::Copy(&text[at..], from + at));

@@ -1,6 +1,7 @@
 //! The named values that expressions see.
 
 use super::number::Number;
+use super::visibility::{Seen, sort_first};
 use super::writer::Fragment;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -35,22 +36,31 @@ impl Indices {
 /// The values that an expression sees.
 #[derive(Clone, Copy)]
 pub struct Scope<'v> {
-    /// From the inside out.
-    pub values: [Option<&'v Values>; 2],
+    /// Those of the parameters of its template. They hide values of the file.
+    pub parameters: Option<&'v Values>,
+    /// Those of its file.
+    pub file: Option<Seen<'v, Value>>,
     pub indices: Indices,
 }
 
 impl<'v> Scope<'v> {
     pub fn value(&self, name: &str) -> Option<&'v Value> {
-        self.values.iter().flatten().find_map(|values| values.get(name))
+        self.parameters.and_then(|values| values.get(name)).or_else(|| self.file?.get(name))
     }
 
-    /// All names, sorted.
+    /// All names, the first of them sorted.
     pub fn names(&self) -> Vec<&'v str> {
         let mut names: Vec<_> =
-            self.values.iter().flatten().flat_map(|values| values.keys()).map(String::as_str).collect();
+            self.parameters.into_iter().flat_map(|values| values.keys()).map(String::as_str).collect();
+        let hidden = |name: &&str| !self.parameters.is_some_and(|values| values.contains_key(*name));
+        names.extend(self.file.into_iter().flat_map(|file| file.names()).filter(hidden));
         names.extend(super::expression::INDICES.iter().take(self.indices.dimensions.into()));
-        names.sort_unstable();
+        sort_first(&mut names);
         names
+    }
+
+    /// Whether names may be missing, because a section has a fault.
+    pub fn is_partial(&self) -> bool {
+        self.file.is_some_and(|file| file.is_partial())
     }
 }

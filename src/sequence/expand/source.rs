@@ -91,11 +91,39 @@ impl Sources {
     }
 }
 
-/// A text in the notation of the file, with quotes.
+/// A name in the notation of the file, with quotes: the key of a map.
 pub fn quoted(text: &str) -> String {
-    if text.contains(|c: char| c == '"' || c == '\\' || c.is_control()) {
+    if text.contains(is_escaped) {
         // RON and Rust have the same escapes.
         return format!("{text:?}");
     }
     format!("\"{text}\"")
+}
+
+/// A text as a value in the notation of the file, with quotes. It is not read as an expression.
+pub fn quoted_value(text: &str) -> String {
+    match text.strip_prefix('=') {
+        Some(rest) if text.contains(is_escaped) => format!("\"\\u{{3d}}{}", &format!("{rest:?}")[1..]),
+        Some(_) => format!("r\"{text}\""),
+        None => quoted(text),
+    }
+}
+
+fn is_escaped(c: char) -> bool {
+    c == '"' || c == '\\' || c.is_control()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_no_expressions() {
+        for (text, written) in
+            [("a", "\"a\""), ("a\"b", "\"a\\\"b\""), ("=x", "r\"=x\""), ("=a\"b", "\"\\u{3d}a\\\"b\"")]
+        {
+            assert_eq!(quoted_value(text), written);
+            assert_eq!(ron::from_str::<String>(written).as_deref(), Ok(text));
+        }
+    }
 }

@@ -45,7 +45,7 @@ pub struct Use {
 pub const NO_USE: u32 = u32::MAX;
 
 /// Maximum number of uses in a message.
-const MAX_SHOWN: usize = 6;
+pub const MAX_SHOWN: usize = 6;
 
 /// Connects an expanded text with its sources.
 #[derive(Debug, Default)]
@@ -67,43 +67,48 @@ pub struct Place {
 impl SourceMap {
     /// The place of a span of the expanded text.
     pub fn place(&self, span: &Range<usize>) -> Place {
-        let Some((first, end)) = self.piece_at(span.start) else {
-            return Place { span: 0..0, is_computed: false, used: NO_USE };
-        };
-        let (from, len, used) = (first.from as usize, first.len as usize, first.used);
-        if len > 0 {
-            return Place { span: from..from + len, is_computed: true, used };
-        }
-        let start = from + (span.start - first.start as usize);
-        let clipped = start..start + span.len().min(end - span.start);
-        let place = |span| Place { span, is_computed: false, used };
-        if span.end <= end {
-            return place(clipped);
-        }
-        // Values with expressions inside reach over several pieces.
-        let last = self.piece_at(span.end - 1).filter(|(last, _)| last.used == used);
-        let end = last.map(|(last, _)| match last.len {
-            0 => last.from as usize + (span.end - last.start as usize),
-            len => (last.from + len) as usize,
-        });
-        place(
-            end.filter(|end| *end > clipped.end && *end - start <= span.len() + (1 << 16))
-                .map_or(clipped, |end| start..end),
-        )
-    }
-
-    /// The piece around a byte of the expanded text, and its end there.
-    fn piece_at(&self, byte: usize) -> Option<(Piece, usize)> {
-        let next = self.pieces.partition_point(|piece| piece.start as usize <= byte);
-        let piece = *self.pieces.get(next.checked_sub(1)?)?;
-        let end = self.pieces.get(next).map_or(usize::MAX, |piece| piece.start as usize);
-        Some((piece, end))
+        place(&self.pieces, span)
     }
 
     /// The uses around a place, each with a note about it, from the inside out.
     pub fn uses_of(&self, place: &Place) -> Vec<(Range<usize>, String)> {
         notes(&self.uses, place.used)
     }
+}
+
+/// The place of a span of a text with these pieces.
+pub fn place(pieces: &[Piece], span: &Range<usize>) -> Place {
+    let Some((first, end)) = piece_at(pieces, span.start) else {
+        return Place { span: 0..0, is_computed: false, used: NO_USE };
+    };
+    let (from, len, used) = (first.from as usize, first.len as usize, first.used);
+    if len > 0 {
+        return Place { span: from..from + len, is_computed: true, used };
+    }
+    let start = from + (span.start - first.start as usize);
+    let clipped = start..start + span.len().min(end - span.start);
+    let place = |span| Place { span, is_computed: false, used };
+    if span.end <= end {
+        return place(clipped);
+    }
+    // Values with expressions inside reach over several pieces.
+    let last = piece_at(pieces, span.end - 1).filter(|(last, _)| last.used == used);
+    let end = last.map(|(last, _)| match last.len {
+        0 => last.from as usize + (span.end - last.start as usize),
+        len => (last.from + len) as usize,
+    });
+    place(
+        end.filter(|end| *end > clipped.end && *end - start <= span.len() + (1 << 16))
+            .map_or(clipped, |end| start..end),
+    )
+}
+
+/// The piece around a byte of the text, and its end there.
+fn piece_at(pieces: &[Piece], byte: usize) -> Option<(Piece, usize)> {
+    let next = pieces.partition_point(|piece| piece.start as usize <= byte);
+    let piece = *pieces.get(next.checked_sub(1)?)?;
+    let end = pieces.get(next).map_or(usize::MAX, |piece| piece.start as usize);
+    Some((piece, end))
 }
 
 /// The places of a use and of those around it, with notes, from the inside out.

@@ -9,9 +9,11 @@ use super::expression::{is_name, is_reserved};
 use super::parts::Part;
 use super::scope::{Scope, Value, Values};
 use super::state::{Context, State};
+use super::visibility::sort_first;
 use std::cell::OnceCell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
+use std::rc::Rc;
 
 /// The field of an object that names its template.
 pub const TEMPLATE: &str = "template";
@@ -35,12 +37,19 @@ pub struct Template<'s> {
     objects: Node<'s>,
     /// The entries of `objects`, split when they are first used. None if they have a fault.
     entries: OnceCell<Option<Vec<Entry<'s>>>>,
+    names: OnceCell<HashSet<String>>,
 }
 
 impl<'s> Template<'s> {
     /// The objects, unless their section has a fault.
     pub fn entries(&self) -> Option<&[Entry<'s>]> {
         self.entries.get_or_init(|| entries(self.objects, "object")).as_deref()
+    }
+
+    /// The names of the objects.
+    pub fn names(&self) -> &HashSet<String> {
+        let all = || self.entries().unwrap_or_default().iter().map(|entry| entry.name.clone()).collect();
+        self.names.get_or_init(all)
     }
 }
 
@@ -86,12 +95,13 @@ pub fn template<'s>(node: Node<'s>, name: &str, place: Range<usize>, module: usi
         parameters,
         objects: objects?,
         entries: OnceCell::new(),
+        names: OnceCell::new(),
     })
 }
 
 /// A use of a template: the values of its parameters.
 pub struct Instance<'s> {
-    pub template: std::rc::Rc<Template<'s>>,
+    pub template: Rc<Template<'s>>,
     /// The place of the template's name in the object that uses it.
     pub place: Range<usize>,
     given: HashMap<String, (Vec<Part<'s>>, Range<usize>)>,
@@ -101,19 +111,23 @@ impl<'s> Instance<'s> {
     /// Decodes the fields `template` and `with` of an object.
     pub fn new(
         state: &State<'s>,
-        name: Node<'s>,
-        with: Option<Node<'s>>,
+        name: Node<'_>,
+        with: Option<Node<'_>>,
         context: &Context<'_>,
     ) -> Option<Self> {
-        let templates = &state.modules.get(context.module)?.templates;
-        let text = super::super::values::text(name)?;
-        let Some(template) = templates.get(&text) else {
-            let mut known: Vec<_> = templates.keys().map(String::as_str).collect();
-            known.sort_unstable();
-            super::super::words::report_unknown(name, "template", &text, known);
-            return None;
+        let text = state.field(name, TEMPLATE, context, super::super::values::text)?;
+        let templates = state.templates_of(context.module)?;
+        let template = match templates.get(&text) {
+            Some(template) => Rc::clone(template.as_ref()?),
+            None => {
+                let mut known: Vec<_> = templates.names().collect();
+                sort_first(&mut known);
+                if !templates.is_partial() {
+                    super::super::words::report_unknown(name, "template", &text, known);
+                }
+                return None;
+            }
         };
-        let template = std::rc::Rc::clone(template);
         let instance = Self { place: name.span(), given: HashMap::new(), template };
         if let Some(open) = context.open
             && instance.closes_circle(state, open, context)
@@ -123,9 +137,13 @@ impl<'s> Instance<'s> {
         let mut given = HashMap::new();
         let mut good = true;
         if let Some(with) = with {
+            if state.refuse_expression(with, "values with the names of parameters { \"name\": ... }", context)
+            {
+                return None;
+            }
             for entry in entries(with, "parameter")? {
                 if instance.template.parameters.iter().any(|parameter| parameter.name == entry.name) {
-                    let parts = state.parts(entry.value, context.used);
+                    let parts = state.parts_at(entry.value.span(), context.used);
                     given.insert(entry.name, (parts, entry.key.span()));
                 } else if !entry.name.is_empty() {
                     instance.report_unknown_parameter(entry.key, &entry.name);
@@ -190,12 +208,12 @@ impl<'s> Instance<'s> {
     /// The values of all parameters. Defaults see the parameters above them, and the values of the template's file.
     pub fn values(&self, state: &State<'s>, context: &Context<'_>) -> Values {
         let mut values = Values::new();
-        let module = state.modules.get(self.template.module).map(|module| &module.values);
+        let file = state.values_of(self.template.module);
         for Parameter { name, place, default } in &self.template.parameters {
             let value: Value = match (self.given.get(name), default) {
                 (Some((parts, place)), _) => state.value_of(parts, place.clone(), context),
                 (None, Some(default)) => {
-                    let scope = Scope { values: [Some(&values), module], indices: Default::default() };
+                    let scope = Scope { parameters: Some(&values), file, indices: Default::default() };
                     state.value(*default, place.clone(), &Context { scope, ..*context })
                 }
                 (None, None) => continue,

@@ -23,7 +23,7 @@ use super::names::Names;
 use super::node::{Node, NodeContent};
 use super::scene_files::SceneFile;
 use super::suggest::shortened;
-use super::values::{file_path, switch};
+use super::values::{PATHS, file_path, switch};
 use super::words::word;
 use crate::appearance::light::LightTracks;
 use crate::base::files::NO_FILE;
@@ -136,8 +136,7 @@ fn file(node: Node<'_>) -> Option<Rc<SceneFile>> {
             let title = format!("cannot read the scene {:?}", shortened(&name));
             let missing = why == NO_FILE;
             let fault = Fault::new(node.span(), title, why);
-            let help = "paths of scenes are relative to the folder of the sequence file";
-            node.fault(if missing { fault.help(help) } else { fault });
+            node.fault(if missing { fault.help(PATHS) } else { fault });
             None
         }
     }
