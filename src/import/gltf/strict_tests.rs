@@ -351,9 +351,9 @@ fn notes_name_whole_pointers_and_messages_real_limits() {
     assert_eq!(
         good(file).left_out,
         [
-            "the animation of `` of 1 channel",
             "the animation of `/a\\u{1b}[31m` of 1 channel",
             "the animation of `/nodes/0/weights/0` of 1 channel",
+            "the animation of `` of 1 channel",
         ]
     );
     let mut file = triangle();
