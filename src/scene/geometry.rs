@@ -189,11 +189,6 @@ impl Geometry {
         self.hidden[kind.index()] > 0
     }
 
-    /// Whether some rays do not see some of the primitives.
-    pub fn hides_any(&self) -> bool {
-        self.hidden != [0; 3]
-    }
-
     /// The material or light of every slot.
     pub fn finishes(&self) -> &[Finish] {
         &self.finishes

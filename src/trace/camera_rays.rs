@@ -251,7 +251,7 @@ impl<F: Real> LaneSamples<F> {
             false => RayCone { width: zero, spread: zero },
         };
         let none = F::U32::splat(0);
-        let aov = if context.aovs.is_some() { flags::FROM_EYE } else { 0 };
+        let from_eye = if context.aovs.is_some() || context.parts_rays { flags::FROM_EYE } else { 0 };
         PathState {
             ray,
             throughput: Throughput::full(),
@@ -261,7 +261,7 @@ impl<F: Real> LaneSamples<F> {
             key: none,
             slot: self.slot,
             bounces_left: F::U32::splat(context.quality.surfaces()),
-            flags: F::U32::splat(aov),
+            flags: F::U32::splat(from_eye),
             medium: F::U32::splat(OUTSIDE),
             t_start: zero,
             pending: none,

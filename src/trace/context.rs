@@ -104,10 +104,7 @@ impl<'a> TraceContext<'a> {
             mis: path && lights.needs_mis(),
             media: materials.any(LobeSet::PASSES),
             keys: !path && is_random,
-            flags: path
-                || aovs.is_some()
-                || scene.geometry.lights().next().is_some()
-                || scene.geometry.hides_any(),
+            flags: path || aovs.is_some() || scene.geometry.lights().next().is_some() || parts_rays(scene),
         };
         let (classes, class_of) = materials.classes();
         Self {

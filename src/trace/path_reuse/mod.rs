@@ -174,6 +174,9 @@ impl<'a> SharedFrames<'a> {
         context.emits = whole.iter().any(|pose| pose.context.emits);
         context.unsampled_light = whole.iter().any(|pose| pose.context.unsampled_light);
         context.branches = whole.iter().any(|pose| pose.context.branches);
+        // Movers may be hidden from rays in other frames than the first.
+        context.parts_rays = whole.iter().any(|pose| pose.context.parts_rays);
+        context.columns.flags |= context.parts_rays;
         TileTracer::new(poses, shared, whole, self.limits)
     }
 }
