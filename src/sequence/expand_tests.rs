@@ -222,7 +222,8 @@ fn circles_of_templates_are_refused() {
 #[test]
 fn sizes_are_bounded() {
     let doubled = (1..60).map(|n| format!("\"v{n}\": (\"=v{0}\", \"=v{0}\"),", n - 1)).collect::<String>();
-    let message = faults(&format!("(let: {{ \"v0\": \"text\", {doubled} }})"));
+    let text = "text".repeat(250);
+    let message = faults(&format!("(let: {{ \"v0\": \"{text}\", {doubled} }})"));
     assert!(message.contains("expands to more than 64 MiB"), "{message}");
     let message = faults("(objects: { \"b\": Repeat(count: (1000, 1001), object: (shape: Sphere())) })");
     assert!(message.contains("more than 1000000 copies"), "{message}");

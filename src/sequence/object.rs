@@ -92,6 +92,10 @@ pub fn object(
         return (None, None);
     }
     let Some(mut fields) = Fields::of(node, "an object") else { return (None, None) };
+    if fields.has(TEMPLATE) {
+        report_misplaced(node, fields.place(TEMPLATE), TEMPLATE);
+        return (None, None);
+    }
     let (mut place, mut placements) = (fields.place("shape"), None);
     let shape = fields.required("shape", |node| {
         let one = match node.word() {
@@ -132,9 +136,7 @@ pub fn object(
     // These names are known for suggestions.
     fields.ignore(TEMPLATE);
     fields.ignore(WITH);
-    if fields.has(TEMPLATE) {
-        report_misplaced(node, fields.place(TEMPLATE), TEMPLATE);
-    } else if fields.has(WITH) {
+    if fields.has(WITH) {
         let title = "`with` gives values to the parameters of a `template`";
         node.fault(Fault::new(fields.place(WITH), title, "this object has no `template`"));
     }

@@ -70,7 +70,11 @@ impl<'s> Definer<'s> {
                 }
                 _ => {
                     report_word(root);
-                    let Some(mut fields) = Fields::of(root, "an included file") else { continue };
+                    let Some(mut fields) = Fields::of(root, "an included file") else {
+                        self.state.values.miss(index);
+                        self.state.templates.miss(index);
+                        continue;
+                    };
                     fields.ignore("include");
                     let mut node = |name| fields.optional(name, Some).flatten();
                     let own = (node("let"), node("templates"));

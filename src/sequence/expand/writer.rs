@@ -11,6 +11,9 @@ pub const LARGEST: usize = 64 << 20;
 /// Maximum size of a source map in bytes.
 const LARGEST_MAP: usize = 1 << 30;
 
+/// Uses within a value that are kept where it is inserted. Messages about larger values do not name all uses.
+const MOST_MOVED: usize = 1000;
+
 /// What an expansion reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
@@ -85,6 +88,9 @@ impl Ledger {
 
     /// A use with those around it, all of them within another one. `known` are the copies so far.
     fn moved(&self, innermost: u32, within: u32, known: &mut HashMap<u32, u32>) -> u32 {
+        if known.len() > MOST_MOVED {
+            return within;
+        }
         // Messages show no more of them.
         let mut chain = Vec::new();
         {
