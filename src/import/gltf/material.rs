@@ -116,7 +116,8 @@ fn material(root: &Item<'_>, item: &Item<'_>, left_out: &mut LeftOut) -> GltfRes
     given.emissive = DVec3::from_array(item.color("emissiveFactor", [0.0; 3])?);
     given.emissive_texture = texture((root, item), "emissiveTexture", left_out)?;
     if let Some(normal) = texture((root, item), "normalTexture", left_out)? {
-        let scale = item.get("normalTexture").map_or(Ok(1.0), |info| info.number("scale", 1.0))?;
+        let info = item.object("normalTexture")?;
+        let scale = info.map_or(Ok(1.0), |info| info.number("scale", 1.0))?;
         given.normal_texture = Some((normal, scale));
     }
     given.alpha = match item.text("alphaMode")? {
