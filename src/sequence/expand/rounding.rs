@@ -35,8 +35,8 @@ mod tests {
     #[test]
     fn fractions_are_rounded_once() {
         // 9007199254740993 is 2^53 + 1, and rounds to 2^53 before the division.
-        assert_eq!(nearest(&Ratio::new(9_007_199_254_740_993, 7)), 1_286_742_750_677_284.75);
-        assert_eq!(nearest(&Ratio::new(-9_007_199_254_740_993, 7)), -1_286_742_750_677_284.75);
+        assert_eq!(nearest(&Ratio::new(9_007_199_254_740_993, 7)), 1_286_742_750_677_284.8);
+        assert_eq!(nearest(&Ratio::new(-9_007_199_254_740_993, 7)), -1_286_742_750_677_284.8);
         assert_eq!(nearest(&Ratio::new(1, 3)), 1.0 / 3.0);
         assert_eq!(nearest(&Ratio::new(0, 1)), 0.0);
         assert_eq!(nearest(&Ratio::new(1, 10i128.pow(30))), 1e-30);
