@@ -3,10 +3,11 @@
 use super::colors::color;
 use super::fault::Fault;
 use super::fields::Fields;
+use super::image::image;
 use super::keys::keyed;
 use super::material_description::{LobeDescription, MaterialDescription};
 use super::node::Node;
-use super::paint::{image_fields, paint};
+use super::paint::{image_fields, paint, plain_image};
 use super::suggest::nearest;
 use super::values::{between, is_number, not_negative, number, one_of, positive, whole_number};
 use super::words::{is_literal, variant};
@@ -166,7 +167,11 @@ fn bump(node: Node<'_>) -> Option<ReliefTracks> {
 
 /// A map of normals: `"normals.png"`, or the fields of an image and `strength`.
 fn normal_map(node: Node<'_>) -> Option<ReliefTracks> {
-    let mut fields = Fields::of_or_only(node, "`normal_map`", "file")?;
+    if node.is_text() {
+        let map = plain_image(image(ColorEncoding::Linear)(node)?);
+        return Some(ReliefTracks::NormalMap { map, strength: 1.0.into() });
+    }
+    let mut fields = Fields::of(node, "`normal_map`")?;
     let strength = fields.or("strength", keyed(not_negative), 1.0);
     let map = image_fields(fields, ColorEncoding::Linear);
     Some(ReliefTracks::NormalMap { map: map?, strength: strength? })

@@ -11,8 +11,8 @@ use super::transform::turn;
 use super::values::{each, not_negative, number, one_of, switch, unit_vector, vector, whole};
 use super::words::Variants;
 use crate::appearance::texture::{
-    ColorChannel, ColorEncoding, ImageTextureTracks, Pattern, PatternTextureTracks, TextureFilter,
-    TextureMappingTracks, TextureSpace, TextureTracks, Wrap,
+    ColorChannel, ColorEncoding, Image, ImageTextureTracks, Pattern, PatternTextureTracks, SharedAsset,
+    TextureFilter, TextureMappingTracks, TextureSpace, TextureTracks, Wrap,
 };
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
@@ -53,6 +53,20 @@ fn vertex_color(node: Node<'_>) -> Option<TextureTracks> {
 /// `Image("file.png")`, or with more fields.
 fn image_paint(node: Node<'_>) -> Option<TextureTracks> {
     image_fields(Fields::of_or_only(node, "`Image`", "file")?, ColorEncoding::Srgb)
+}
+
+/// An image without further fields.
+pub fn plain_image(image: SharedAsset<Image>) -> TextureTracks {
+    TextureTracks::Image(Box::new(ImageTextureTracks {
+        image,
+        wrap: None,
+        axis_wraps: None,
+        filter: TextureFilter::default(),
+        channel: None,
+        tint: Rgb::ONE.into(),
+        alpha: true,
+        mapping: TextureMappingTracks::default(),
+    }))
 }
 
 /// The fields of an image whose numbers are by default in this encoding. Reports unknown fields.

@@ -97,7 +97,7 @@ fn children_inherit_what_does_not_see_them() {
 fn paths_do_not_find_the_light_of_emitters_that_reflections_do_not_see() {
     let film = |fields: &str| {
         let film = shoot_film(&format!(
-            "(output: (size: (16, 16)), quality: (integrator: Path, samples: 16, bounces: 2), background: 0,
+            "(output: (size: (16, 16)), quality: (integrator: Path, samples: 16, bounces: 2), background: 0, ambient: 0,
             camera: (position: (0, 3, 6), target: (0, 0, 0)),
             objects: {{ \"floor\": (shape: Plane()),
                 \"lamp\": (shape: Sphere(center: (0, 9, 0)), material: (diffuse: 0, emission: 50){fields}) }})"

@@ -50,8 +50,9 @@ fn bumps_turn_normals_by_their_slope() {
         let relief = format!(", bump: (height: Image(\"map.png\"), depth: {depth})");
         lit(folder.path(), &relief, "(0, 0, -1)")
     };
+    // Colours are f32: off by 2^-25, over a distance of half a pixel of 0.001, times the depth.
     for depth in [0.75, -0.75] {
-        assert!((front(depth) - 0.8).abs() < 1e-6, "{}", front(depth));
+        assert!((front(depth) - 0.8).abs() < 2e-5, "{}", front(depth));
     }
     assert_eq!(front(0.0), 1.0);
 }

@@ -90,7 +90,7 @@ impl LeftOut {
         Ok(())
     }
 
-    /// All notes, such as "normal textures of 3 materials".
+    /// All notes, such as "transmission textures of 3 materials".
     pub fn listed(self) -> Vec<String> {
         let counts = self.counts.into_iter();
         let counted = counts.map(|((what, user), count)| format!("{what} of {}", counted(count, user)));

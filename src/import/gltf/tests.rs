@@ -147,7 +147,7 @@ fn materials_are_read_with_their_extensions() {
             "name": "m",
             "pbrMetallicRoughness": { "baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.5,
                 "roughnessFactor": 0.25, "baseColorTexture": { "index": 0 } },
-            "normalTexture": { "index": 0 },
+            "normalTexture": { "index": 0, "scale": 0.75 },
             "emissiveFactor": [1, 0.5, 0],
             "alphaMode": "MASK", "alphaCutoff": 0.3,
             "extensions": {
@@ -170,12 +170,12 @@ fn materials_are_read_with_their_extensions() {
     assert_eq!((material.alpha, material.ior, material.transmission), (AlphaMode::Mask(0.3), 1.4, 0.5));
     assert_eq!(material.volume.expect("a volume").distance, 2.0);
     let texture = material.base_texture.as_ref().expect("a texture");
+    assert_eq!(material.normal_texture, Some((texture.clone(), 0.75)));
     assert_eq!((texture.wrap, texture.filter), ([Wrap::Clamp, Wrap::Mirror], TextureFilter::Nearest));
     assert_eq!(
         scene.left_out,
         [
             "KHR_materials_clearcoat of 1 material",
-            "normal textures of 1 material",
             "the blur of rough transmission of 1 material",
             "EXT_something",
         ]
