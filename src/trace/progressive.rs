@@ -306,7 +306,7 @@ impl Tile {
 fn is_first(at: u32, stride: u32, size: u32) -> bool {
     match stride {
         1 => true,
-        _ => at % stride == 1 || at % stride == 0 && at + 1 == size,
+        _ => at % stride == 1 || at.is_multiple_of(stride) && at + 1 == size,
     }
 }
 
