@@ -9,8 +9,11 @@ use std::collections::HashMap;
 
 const TOLERANCE: f64 = 0.01;
 
+/// The distance of a point from a surface.
+type Distance = Box<dyn Fn(DVec3) -> f64>;
+
 /// Closed shapes with the radius that the tolerance refers to, and the distance from their surface.
-fn solids() -> Vec<(Shape, f64, Box<dyn Fn(DVec3) -> f64>)> {
+fn solids() -> Vec<(Shape, f64, Distance)> {
     let center = DVec3::new(0.3, -2.0, 1.5);
     let axis = DVec3::new(0.48, 0.6, 0.64);
     let along = move |point: DVec3| {
