@@ -193,7 +193,7 @@ impl SimdKernel for Intersect<'_> {
             let mask = L::Mask::from_bits(wanted);
             let mut kind = wanted;
             if context.parts_rays {
-                kind &= paths.unbent(first);
+                kind &= paths.primary(first);
                 let others = wanted & !kind;
                 if others != 0 {
                     let mask = L::Mask::from_bits(others);

@@ -137,7 +137,7 @@ impl PathStream {
 
     /// The bits of up to eight paths from `first` on that have not been reflected or refracted yet. Without flags, all.
     #[inline(always)]
-    pub fn unbent(&self, first: usize) -> u32 {
+    pub fn primary(&self, first: usize) -> u32 {
         let flags = self.flags.iter().skip(first).take(8).enumerate();
         let bits = flags.map(|(lane, flags)| u32::from(flags & flags::FROM_EYE != 0) << lane);
         if self.columns.flags { bits.sum() } else { 0xff }
@@ -145,7 +145,7 @@ impl PathStream {
 
     /// The kind of the ray of a path.
     pub fn ray_kind(&self, index: usize) -> RayKind {
-        if self.unbent(index) & 1 == 1 { RayKind::Camera } else { RayKind::Scattered }
+        if self.primary(index) & 1 == 1 { RayKind::Camera } else { RayKind::Scattered }
     }
 
     pub fn is_empty(&self) -> bool {
