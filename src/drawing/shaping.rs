@@ -96,6 +96,9 @@ pub fn shaped<'f, S: Copy + Default + PartialEq>(
     styles: &[S],
 ) -> Vec<ShapedGlyph<'f>> {
     let mut glyphs = Vec::new();
+    if line.is_empty() {
+        return glyphs;
+    }
     let paragraph = ParagraphBidiInfo::new(line, None);
     let (levels, directed) = paragraph.visual_runs(0..line.len());
     for part in directed {

@@ -69,7 +69,8 @@ mod tests {
     #[test]
     fn a_light_without_keys_is_a_weight() {
         let (hash, weights) = state("intensity: 1");
-        assert_eq!(weights, [Rgb::ONE; 3]);
+        // Light without keys, ambient light, and both lights.
+        assert_eq!(weights, [Rgb::ONE; 4]);
         for (light, weight) in [
             ("intensity: 0.5", Rgb::splat(0.5)),
             ("intensity: 0", Rgb::ZERO),
@@ -77,7 +78,7 @@ mod tests {
             ("on: false", Rgb::ZERO),
             ("intensity: [(0, 3), (9, 3)]", Rgb::splat(3.0)),
         ] {
-            assert_eq!(state(light), (hash, vec![Rgb::ONE, weight, Rgb::ONE]), "{light}");
+            assert_eq!(state(light), (hash, vec![Rgb::ONE, Rgb::ONE, weight, Rgb::ONE]), "{light}");
         }
     }
 }

@@ -78,7 +78,10 @@ fn transforms_come_back() {
         }
     }
     // Shapes: the points of the bounds of the meshes.
-    for (name, mesh) in [("ball", "s/ball shape"), ("box", "s/box shape")] {
+    // Chords of a sphere need not touch its bounds. They are within the tolerance for a radius of 1/2, which scales double.
+    for (name, mesh, off) in
+        [("ball", "s/ball shape", 0.5 * 2.0 * OPTIONS.tolerance), ("box", "s/box shape", 0.0)]
+    {
         let index = given.objects.iter().position(|object| object.name == name).expect("an object");
         let bounds = given.objects[index].value.shape.bounds().expect("finite");
         let of_mesh = |object: &&crate::sequence::Named<crate::sequence::Object>| {
@@ -91,7 +94,8 @@ fn transforms_come_back() {
             let (a, b) = (world(&given, name, time), world(&again, &object.name, time));
             for (p, q) in bounds.corners().into_iter().zip(own.corners()) {
                 let (p, q) = (a.transform_point3(p), b.transform_point3(q));
-                assert!((p - q).length() <= 1e-6 * (1.0 + p.length()), "{name} at {time}: {p} {q}");
+                let most = off + 1e-6 * (1.0 + p.length());
+                assert!((p - q).length() <= most, "{name} at {time}: {p} {q}");
             }
         }
     }
