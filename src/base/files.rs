@@ -5,11 +5,12 @@ mod jpeg;
 pub use jpeg::is_truncated;
 
 use crate::base::escape;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::SystemTime;
 
 /// The message if a file does not exist.
 pub const NO_FILE: &str = "there is no such file";
@@ -64,12 +65,35 @@ fn too_large(most: u64) -> io::Error {
     io::Error::new(ErrorKind::FileTooLarge, format!("it is larger than {most}"))
 }
 
+/// What differs after a file was written again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FileStamp {
+    modified: Option<SystemTime>,
+    length: u64,
+}
+
+impl FileStamp {
+    /// The stamp of a file as it is now; `None` if there is none.
+    pub fn of(path: &Path) -> Option<Self> {
+        let data = fs::metadata(path).ok()?;
+        Some(Self { modified: data.modified().ok(), length: data.len() })
+    }
+}
+
 /// The folder that contains all files that a sequence may name, after `..` and links are resolved; or no such limit.
-/// It remembers the files that it has admitted.
+/// It remembers the files that were named.
 #[derive(Clone, Debug, Default)]
 pub struct Root {
     folder: Option<PathBuf>,
-    admitted: Arc<Mutex<BTreeSet<PathBuf>>>,
+    named: Arc<Mutex<NamedFiles>>,
+}
+
+/// The files that a sequence names.
+#[derive(Debug, Default)]
+struct NamedFiles {
+    /// With their stamps before they were read.
+    admitted: BTreeMap<PathBuf, Option<FileStamp>>,
+    missing: BTreeSet<PathBuf>,
 }
 
 /// The name of a folder that marks a project. Its parent is the root.
@@ -88,7 +112,7 @@ impl Root {
         // A folder that does not exist keeps its name; it contains no files.
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         let marked = folder.ancestors().find(|above| above.join(MARK).is_dir());
-        Self { folder: Some(marked.unwrap_or(&folder).to_owned()), admitted: Arc::default() }
+        Self { folder: Some(marked.unwrap_or(&folder).to_owned()), named: Arc::default() }
     }
 
     /// The canonical path of a file.
@@ -96,14 +120,16 @@ impl Root {
     /// # Errors
     /// If the file does not exist or is outside of the root.
     pub fn admit(&self, path: &Path) -> io::Result<PathBuf> {
-        let path = path.canonicalize()?;
+        let path = path.canonicalize().inspect_err(|_| {
+            self.named().missing.insert(path.to_owned());
+        })?;
         match &self.folder {
             Some(root) if !path.starts_with(root) => {
                 let root = escape::path(root);
                 Err(io::Error::other(format!("it is outside of {root}; --allow-outside permits reading it")))
             }
             _ => {
-                self.names().insert(path.clone());
+                self.named().admitted.entry(path.clone()).or_insert_with(|| FileStamp::of(&path));
                 Ok(path)
             }
         }
@@ -116,11 +142,18 @@ impl Root {
 
     /// The files that were admitted so far, sorted by path.
     pub fn admitted(&self) -> Vec<PathBuf> {
-        self.names().iter().cloned().collect()
+        self.named().admitted.keys().cloned().collect()
     }
 
-    fn names(&self) -> MutexGuard<'_, BTreeSet<PathBuf>> {
-        self.admitted.lock().unwrap_or_else(PoisonError::into_inner)
+    /// All files that were named so far, with their stamps before they were read. Missing files have none.
+    pub fn stamps(&self) -> BTreeMap<PathBuf, Option<FileStamp>> {
+        let named = self.named();
+        let missing = named.missing.iter().map(|path| (path.clone(), None));
+        missing.chain(named.admitted.iter().map(|(path, stamp)| (path.clone(), *stamp))).collect()
+    }
+
+    fn named(&self) -> MutexGuard<'_, NamedFiles> {
+        self.named.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -6,15 +6,13 @@ use super::overrides::Overrides;
 use super::pick::key_time;
 use super::playback::Playback;
 use super::render_task::RenderTask;
-use super::session::{Session, SessionOptions, Step};
+use super::session::{Session, SessionOptions, Step, WatchedFiles};
 use super::{edit, forecast, places, planned};
 use crate::base::cancel::Stop;
 use crate::base::math::DVec2;
 use crate::encode::write_file;
 use crate::sequence::{Sequence, load_text};
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
-use std::path::PathBuf;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -51,7 +49,7 @@ enum Message {
 pub struct EngineHandle {
     sender: Sender<Message>,
     stop: Stop,
-    watched: Arc<Mutex<BTreeSet<PathBuf>>>,
+    watched: Arc<Mutex<WatchedFiles>>,
 }
 
 impl EngineHandle {
@@ -66,7 +64,7 @@ impl EngineHandle {
     }
 
     /// The files whose changes matter.
-    pub fn watched(&self) -> BTreeSet<PathBuf> {
+    pub fn watched(&self) -> WatchedFiles {
         self.watched.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
@@ -447,7 +445,7 @@ impl Engine {
     fn place(&self, names: &[String]) -> Result<Value, String> {
         let main = self.session.options.file.clone();
         let included =
-            self.session.watched().iter().filter(|path| path.extension().is_some_and(|ext| ext == "ron"));
+            self.session.watched().keys().filter(|path| path.extension().is_some_and(|ext| ext == "ron"));
         for path in std::iter::once(&main).chain(included) {
             let Ok(text) = std::fs::read_to_string(path) else { continue };
             // The closest part that is written: a copy has no place of its own, but its section has.

@@ -11,7 +11,7 @@ use crate::base::cancel::Stop;
 use crate::base::color::Rgb;
 use crate::base::digest::Digest;
 use crate::base::escape;
-use crate::base::files::Root;
+use crate::base::files::{FileStamp, Root};
 use crate::base::machine;
 use crate::base::stats::Counts;
 use crate::base::time::Clock;
@@ -27,10 +27,13 @@ use crate::scene::Scene;
 use crate::scene::top_level::Bvh;
 use crate::sequence::{LightLayers, Sequence, load_watched};
 use crate::trace::{ProgressiveFilm, Refinement, StageEnd, TraceSettings, rays_per_sample};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+/// The files whose changes matter, with their stamps before they were read. Missing files have none.
+pub type WatchedFiles = BTreeMap<PathBuf, Option<FileStamp>>;
 
 /// What a session shows.
 #[derive(Clone, Debug)]
@@ -72,7 +75,7 @@ pub struct Session {
     diagnostics: Option<String>,
     /// Why the frame has no picture.
     problem: Option<String>,
-    watched: BTreeSet<PathBuf>,
+    watched: WatchedFiles,
     /// Counts the changes of the file.
     pub(super) generation: u64,
     pub(super) overrides: Overrides,
@@ -112,7 +115,7 @@ impl Session {
     pub fn new(options: SessionOptions) -> Self {
         let budget = (machine::free_memory() / FILM_SHARE).clamp(1 << 20, MOST_FILMS);
         let overrides = Overrides { size: options.size, ..Overrides::default() };
-        let watched = BTreeSet::from([options.file.clone()]);
+        let watched = WatchedFiles::from([(options.file.clone(), FileStamp::of(&options.file))]);
         Self {
             options,
             loaded: None,
@@ -144,11 +147,14 @@ impl Session {
         self.note_change();
         self.generation += 1;
         let (file, root) = (&self.options.file, self.root());
+        // A change after this line is one that the load may have missed.
+        let stamp = FileStamp::of(file);
         let loaded = load_watched(file, root.clone(), &Arc::default());
-        let read = root.admitted().into_iter().chain([file.clone()]);
+        let mut read = root.stamps();
+        read.insert(file.clone(), stamp);
         match loaded {
             Ok(sequence) => {
-                self.watched = read.collect();
+                self.watched = read;
                 self.adopt(sequence);
             }
             Err(error) => {
@@ -185,7 +191,7 @@ impl Session {
     }
 
     /// The files whose changes matter.
-    pub fn watched(&self) -> &BTreeSet<PathBuf> {
+    pub fn watched(&self) -> &WatchedFiles {
         &self.watched
     }
 

@@ -27,6 +27,9 @@ const SCENE: &str = r##"(
 )
 "##;
 
+/// The longest wait for an update, on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(60);
+
 /// A running preview, and the folder in which it runs.
 struct Running {
     folder: TempDir,
@@ -122,12 +125,14 @@ impl Running {
         serde_json::from_slice(&answer.body).expect("JSON")
     }
 
-    /// The update after number `after`.
+    /// The update after number `after`. A picture that never comes fails the test.
     fn next(&self, after: u64) -> (Value, Vec<u8>) {
         let path = format!("/{}/next?page=test&after={after}", self.token);
+        let start = Instant::now();
         loop {
             let answer = self.request("GET", &path, &self.host(), "");
             if answer.status == 204 {
+                assert!(start.elapsed() < PATIENCE, "no update after {after}");
                 continue;
             }
             assert_eq!(answer.status, 200, "{}", answer.head);
@@ -145,7 +150,7 @@ impl Running {
             if wanted(&state) {
                 return (state, picture);
             }
-            assert!(start.elapsed() < Duration::from_secs(60), "{state}");
+            assert!(start.elapsed() < PATIENCE, "{state}");
             after = state["number"].as_u64().expect("a number");
         }
     }
@@ -276,8 +281,18 @@ fn included_files_and_images_are_watched() {
     let (state, blue) = changed(generation);
     assert_ne!(pixels(&red), pixels(&blue));
     fs::write(preview.file("part.ron"), folder.replace("min: (1", "min: (1.5")).expect("a disk");
-    let (_, moved) = changed(state["generation"].as_u64());
+    let (state, moved) = changed(state["generation"].as_u64());
     assert_ne!(pixels(&blue), pixels(&moved));
+    // A file that is missing, and comes.
+    preview.save(&text.replace("\"part.ron\"", "\"part.ron\", \"new.ron\""));
+    preview.until(|state| state["diagnostics"].as_str().is_some_and(|text| text.contains("new.ron")));
+    fs::write(
+        preview.file("new.ron"),
+        "(objects: { \"dot\": (shape: Sphere(center: (-1, 2, 0), radius: 0.4)) })",
+    )
+    .expect("a disk");
+    let (_, new) = changed(state["generation"].as_u64().map(|before| before + 1));
+    assert_ne!(pixels(&moved), pixels(&new));
 }
 
 #[test]
