@@ -62,6 +62,7 @@ pub fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 #[cfg(target_os = "linux")]
 pub fn watches(child: &std::process::Child) -> bool {
     let text = fs::read_to_string(format!("/proc/{}/status", child.id())).expect("a process");
+    assert!(!text.contains("State:\tZ"), "it has ended");
     let caught = text.lines().find_map(|line| line.strip_prefix("SigCgt:")).expect("a mask");
     // SIGTERM, which is the last of them.
     u64::from_str_radix(caught.trim(), 16).expect("a mask") & 1 << 14 != 0

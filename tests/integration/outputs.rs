@@ -404,7 +404,8 @@ fn a_closed_standard_output_is_an_error() {
 #[test]
 fn a_stopped_quiet_run_prints_nothing() {
     use std::process::{Command, Stdio};
-    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+    // From frame 12 on, frames repeat one film.
+    for (signal, code, frame) in [("INT", 130, 2), ("TERM", 143, 2), ("INT", 130, 50), ("TERM", 143, 500)] {
         let folder = folder();
         fs::write(folder.path().join("long.ron"), BALL.replace("frames: 12", "frames: 100000"))
             .expect("writable");
@@ -412,7 +413,7 @@ fn a_stopped_quiet_run_prints_nothing() {
         command.current_dir(folder.path()).args(["render", "long.ron", "-q", "-o", "f_#.png", "-o", "a.gif"]);
         let mut child =
             command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the binary runs");
-        while !folder.path().join("f_2.png").exists() {
+        while !folder.path().join(format!("f_{frame}.png")).exists() {
             assert!(child.try_wait().expect("a process").is_none(), "it was too fast");
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
@@ -422,5 +423,6 @@ fn a_stopped_quiet_run_prints_nothing() {
         assert_eq!(done.status.code(), Some(code));
         assert!(done.stdout.is_empty() && done.stderr.is_empty(), "{}", crate::command::stderr(&done));
         assert!(folder.path().join("part_a.gif").exists());
+        assert!(!folder.path().join("f_99999.png").exists());
     }
 }

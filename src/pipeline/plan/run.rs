@@ -6,8 +6,9 @@ use crate::film::Film;
 use crate::pipeline::schedule::{FilmSink, FrameError, FrameLoop, FrameState};
 use std::collections::HashMap;
 
-/// Renders the plan's frames in order while `on` returns true, and then those whose films are there already. Returns the number of finished frames. If a film stops
-/// before it reaches its target error, the next frames of the same film are pushed too, but do not count.
+/// Renders the plan's frames in order while `on` returns true. Then it pushes frames only as far as the last film that was
+/// traced together with others and is in no frame yet. Returns the number of finished frames. If a film stops before it
+/// reaches its target error, the next frames of the same film are pushed too, but do not count.
 pub fn run<S: FilmSink>(
     plan: &Plan,
     frames: &mut FrameLoop<S>,
@@ -23,8 +24,10 @@ pub fn run<S: FilmSink>(
         if on() && is_first && film >= untried && !kept.contains_key(&film) {
             untried = trace_together(plan, film, frames, (&mut kept, &mut tries))?;
         }
-        // If the run is stopped, films that were traced together and not pushed yet are not lost.
-        if !(on() || kept.contains_key(&film)) {
+        // If the run is stopped, films that were traced together and not pushed yet are not lost. Films that were pushed
+        // are no reason to go on, however many frames repeat them.
+        let is_new = |film: &usize| plan.films[*film].frames.first().is_some_and(|first| *first >= index);
+        if !(on() || kept.contains_key(&film) && kept.keys().any(is_new)) {
             break;
         }
         done += 1;
