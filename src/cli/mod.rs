@@ -7,7 +7,9 @@
 mod accuracy;
 mod assemble;
 mod check;
+mod completions;
 mod expand;
+mod explain;
 mod export;
 mod failure;
 mod farm;
@@ -21,6 +23,7 @@ mod image_options;
 mod json;
 mod load;
 mod loading;
+mod manual;
 mod options;
 mod outputs;
 mod overrides;
@@ -70,11 +73,15 @@ enum Command {
     Turntable(turntable::Arguments),
     Check(check::Arguments),
     Expand(expand::Arguments),
+    Explain(explain::Arguments),
     Export(export::Arguments),
     Plan(plan::Arguments),
     #[cfg(feature = "accuracy")]
     Accuracy(accuracy::Arguments),
     Farm(farm::Arguments),
+    Completions(completions::Arguments),
+    #[command(name = "man")]
+    Manual(manual::Arguments),
 }
 
 const AFTER_HELP: &str = "\
@@ -88,11 +95,13 @@ Examples:
   kinora preview sequences/hello.ron --open          look at the sequence while you write it
   kinora turntable part.stl -o part.gif              one turn around a part, without a sequence file
   kinora check sequences/hello.ron                   report every mistake, render nothing
+  kinora explain tonemap                             print what a field of the file means
   kinora expand sequences/hello.ron                  print what values, templates and includes come to
   kinora export sequences/hello.ron -o hello.glb     write the scene and its animation as glTF
   kinora plan sequences/light-show.ron               predict the time, the error and the rays
   kinora accuracy sequences/room.ron --quick         measure what accuracy costs in time
   kinora farm export slurm sequences/hello.ron       write a job for many machines
+  kinora completions bash                            print a script that completes words in a shell
 
 `kinora render --help` lists the options. Exit codes: 0 success; 2 a mistake in the command or the
 sequence; 3 a frame or file could not be made, or the reader of `-o -` closed the pipe.";
@@ -133,12 +142,20 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Turntable(arguments) => turntable::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Expand(arguments) => expand::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         #[cfg(feature = "accuracy")]
         Command::Accuracy(arguments) => accuracy::run(&arguments),
         Command::Farm(arguments) => farm::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments),
+        Command::Manual(arguments) => manual::run(&arguments),
     }
+}
+
+/// The definition of all commands and options.
+fn program() -> clap::Command {
+    Arguments::command()
 }
 
 /// Parses the arguments.
@@ -146,7 +163,7 @@ fn execute(command: Command) -> Result<(), Failure> {
 /// # Errors
 /// The exit code, after it has printed an error, the help or the version.
 fn parse(arguments: Vec<OsString>) -> Result<Arguments, ExitCode> {
-    let mut command = Arguments::command();
+    let mut command = program();
     let (arguments, notes) = renamed_options::to_current(arguments, &command);
     // If an argument could steer a terminal, the message has no colours. Then all other control characters can be
     // escaped.
@@ -214,7 +231,7 @@ fn hint_for_option(message: &mut clap::Error, command: &clap::Command) -> Option
         }
     }
     let current = renamed_options::current_name(&option);
-    let program = Arguments::command();
+    let program = program();
     let owners =
         program.get_subcommands().filter(|owner| renamed_options::has(owner, current.unwrap_or(&option)));
     let owners: Vec<String> = owners.map(|owner| format!("kinora {}", owner.get_name())).collect();

@@ -112,6 +112,9 @@ fn help_of_commands_shows_options_units_and_defaults() {
         "farm export",
         "farm status",
         "expand",
+        "explain",
+        "completions",
+        "man",
     ] {
         let words: Vec<&str> = command.split(' ').chain(["--help"]).collect();
         let help = kinora(&words).stdout;
@@ -142,6 +145,45 @@ fn unknown_words_are_refused_with_a_guess() {
     refused(&["check", "a.ron", "-o", "a.gif"], &["'-o'"]);
     refused(&["render", "a.ron", "--resume", "--overwrite"], &["'--resume'", "'--overwrite'"]);
     refused(&["render", "a.ron", "--memroy", "2GB"], &["'--memroy'", "--memory is now called --film-cache"]);
+}
+
+#[test]
+fn shells_get_completions() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let run = kinora(&["completions", shell]);
+        assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{shell}");
+        assert!(run.stdout.contains("kinora") && run.stdout.contains("time-limit"), "{}", run.stdout);
+    }
+    refused(&["completions", "bosh"], &["'bosh'", "bash"]);
+}
+
+#[test]
+fn manual_pages_are_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pages = folder.path().join("man/man1");
+    let run = kinora(&["man", "-o", pages.to_str().expect("text")]);
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let count = std::fs::read_dir(&pages).expect("a folder").count();
+    assert!(run.stdout.starts_with(&format!("wrote {count} manual pages into ")), "{}", run.stdout);
+    let page = std::fs::read_to_string(pages.join("kinora-render.1")).expect("a page");
+    assert!(page.contains(".SH EXAMPLES") && page.contains("\\-\\-time\\-limit"), "{page}");
+    // A file is where the folder should be.
+    let file = folder.path().join("file");
+    std::fs::write(&file, "").expect("a disk");
+    let run = kinora(&["man", "-o", file.to_str().expect("text")]);
+    assert_eq!(run.code, Some(3));
+    assert!(run.stderr.contains("cannot write manual pages into"), "{}", run.stderr);
+}
+
+#[test]
+fn fields_are_explained() {
+    let run = kinora(&["explain", "output.exposure"]);
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    assert!(run.stdout.starts_with("`exposure` · output\n"), "{}", run.stdout);
+    assert!(run.stdout.contains("keys: yes"), "{}", run.stdout);
+    refused(&["explain", "exposur"], &["did you mean `exposure`?"]);
+    let titles = kinora(&["explain"]).stdout;
+    assert!(titles.contains("  timeline\n") && titles.contains("    Tone maps\n"), "{titles}");
 }
 
 #[test]
