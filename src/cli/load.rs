@@ -45,7 +45,7 @@ fn root_of(path: &Path, outside: bool) -> Root {
 }
 
 /// Fails if there is no such file.
-fn check_file(path: &Path) -> Result<(), Failure> {
+pub fn check_file(path: &Path) -> Result<(), Failure> {
     let name = escape::path(path);
     match std::fs::metadata(path) {
         Ok(what) if what.is_dir() => {

@@ -17,6 +17,7 @@ mod farm_forecast;
 mod filmstrip;
 #[cfg(test)]
 mod fixture;
+mod fmt;
 mod forecast_text;
 mod frame_selection;
 mod image_options;
@@ -74,6 +75,7 @@ enum Command {
     Check(check::Arguments),
     Expand(expand::Arguments),
     Explain(explain::Arguments),
+    Fmt(fmt::Arguments),
     Export(export::Arguments),
     Plan(plan::Arguments),
     #[cfg(feature = "accuracy")]
@@ -96,6 +98,7 @@ Examples:
   kinora turntable part.stl -o part.gif              one turn around a part, without a sequence file
   kinora check sequences/hello.ron                   report every mistake, render nothing
   kinora explain tonemap                             print what a field of the file means
+  kinora fmt sequences/hello.ron                     lay the file out regularly; comments stay
   kinora expand sequences/hello.ron                  print what values, templates and includes come to
   kinora export sequences/hello.ron -o hello.glb     write the scene and its animation as glTF
   kinora plan sequences/light-show.ron               predict the time, the error and the rays
@@ -143,6 +146,7 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Check(arguments) => check::run(&arguments),
         Command::Expand(arguments) => expand::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
+        Command::Fmt(arguments) => fmt::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         #[cfg(feature = "accuracy")]

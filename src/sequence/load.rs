@@ -70,7 +70,8 @@ pub fn load_text(
     source.parse(meter).map(|loaded| loaded.sequence).map_err(|faults| LoadError::Faults(Box::new(faults)))
 }
 
-fn read(path: &Path) -> Result<String, String> {
+/// The text of a sequence file.
+pub(super) fn read(path: &Path) -> Result<String, String> {
     // A pipe works too: the user who passes it also writes to it.
     let bytes = File::open(path).and_then(|file| files::read_at_most(file, LARGEST_FILE));
     files::utf8(bytes.map_err(|error| files::describe(&error))?)

@@ -28,6 +28,7 @@ mod fault;
 mod faults;
 mod fields;
 mod file_cache;
+mod fmt;
 mod fog;
 mod font_files;
 mod formats;
@@ -84,6 +85,7 @@ mod values;
 mod words;
 
 pub use faults::Faults;
+pub use fmt::{Formatted, formatted, formatted_text};
 pub use layers::LightLayers;
 pub use load::{LoadError, expanded, load, load_text, load_watched, parse};
 pub use motion::UnknownObject;

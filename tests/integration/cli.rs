@@ -113,6 +113,7 @@ fn help_of_commands_shows_options_units_and_defaults() {
         "farm status",
         "expand",
         "explain",
+        "fmt",
         "completions",
         "man",
     ] {
@@ -184,6 +185,43 @@ fn fields_are_explained() {
     refused(&["explain", "exposur"], &["did you mean `exposure`?"]);
     let titles = kinora(&["explain"]).stdout;
     assert!(titles.contains("  timeline\n") && titles.contains("    Tone maps\n"), "{titles}");
+}
+
+#[test]
+fn files_are_formatted_in_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("text").to_owned();
+    let (before, after) =
+        ("( timeline:(frames:2) , /* c */\n)", "(\n    timeline: (frames: 2), /* c */\n)\n");
+    for (name, text) in [("a.ron", before), ("b.ron", after), ("broken.ron", "(a: [1, 2)")] {
+        std::fs::write(path(name), text).expect("a disk");
+    }
+    let text = |name: &str| std::fs::read_to_string(path(name)).expect("a file");
+    // One broken file, and nothing is written.
+    let run = kinora(&["fmt", &path("a.ron"), &path("broken.ron")]);
+    assert_eq!((run.code, text("a.ron").as_str()), (Some(2), before));
+    assert!(run.stderr.contains("broken.ron:1"), "{}", run.stderr);
+    let files = [path("a.ron"), path("b.ron")];
+    let run = kinora(&["fmt", "--check", &files[0], &files[1]]);
+    assert_eq!((run.code, run.stdout.trim_end()), (Some(3), files[0].as_str()));
+    assert!(run.stderr.contains("1 file would change"), "{}", run.stderr);
+    let run = kinora(&["fmt", &files[0], &files[1]]);
+    assert_eq!((run.code, run.stdout.trim_end()), (Some(0), format!("wrote {}", files[0]).as_str()));
+    assert_eq!((text("a.ron").as_str(), text("b.ron").as_str()), (after, after));
+    assert_eq!(kinora(&["fmt", "--check", &files[0], &files[1]]).code, Some(0));
+}
+
+/// All shipped sequences and the parts that they include.
+#[test]
+fn shipped_files_are_formatted() {
+    let folders = ["sequences", "sequences/bench", "sequences/parts"];
+    let files = folders.iter().flat_map(|folder| std::fs::read_dir(folder).expect("a folder"));
+    let names = files.map(|file| file.expect("a file").path().to_str().expect("text").to_owned());
+    let names: Vec<String> = names.filter(|name| name.ends_with(".ron")).collect();
+    assert!(names.len() > 40, "{names:?}");
+    let words: Vec<&str> = ["fmt", "--check"].into_iter().chain(names.iter().map(String::as_str)).collect();
+    let run = kinora(&words);
+    assert_eq!((run.code, run.stdout.as_str()), (Some(0), ""), "{}", run.stderr);
 }
 
 #[test]
