@@ -11,7 +11,7 @@ use clap::Args;
 use std::io::stdin;
 use std::path::{Path, PathBuf};
 
-/// Lay out sequence files regularly: indentation, blanks, commas, rows of at most 120 characters.
+/// Lay out sequence files regularly: indentation, blanks, commas, rows of at most 160 characters.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = "\
 Examples:

@@ -3,7 +3,7 @@
 use super::tree::{Brackets, Comment, Document, Entry, Part};
 
 /// The longest row in characters, and the indentation within brackets.
-const WIDTH: usize = 120;
+const WIDTH: usize = 160;
 const INDENTATION: usize = 4;
 
 /// The text of a file.
@@ -134,12 +134,11 @@ impl Page {
             return self.push(brackets.close);
         }
         let has_rows = has_rows(brackets);
-        // Brackets with nothing but other brackets within share their rows: `Cuts([`.
-        if let [entry] = &brackets.entries[..]
-            && !has_rows
-            && matches!(entry.parts[..], [Part::Brackets(_)] | [Part::Atom(_), Part::Brackets(_)])
-        {
-            self.entry(entry, brackets.close.len() + 1);
+        if !has_rows && shares_rows(brackets) {
+            for (index, entry) in brackets.entries.iter().enumerate() {
+                self.push(if index > 0 { ", " } else { "" });
+                self.entry(entry, brackets.close.len() + 1);
+            }
             return self.push(brackets.close);
         }
         self.indentation += INDENTATION;
@@ -236,6 +235,19 @@ fn brackets_width(brackets: &Brackets) -> Option<usize> {
 fn has_rows(brackets: &Brackets) -> bool {
     let breaks = |entry: &Entry| entry.begins_row || !entry.above.is_empty() || !entry.behind.is_empty();
     !brackets.comments.is_empty() || brackets.entries.iter().any(breaks)
+}
+
+/// Whether brackets stand in the rows of those at their end: `Track(ease: Smooth, keys: [`. That is so if only these have
+/// rows, or if nothing else is in the brackets: `Cuts([`.
+fn shares_rows(brackets: &Brackets) -> bool {
+    let Some((last, before)) = brackets.entries.split_last() else { return false };
+    let Some(Part::Brackets(inner)) = last.parts.last() else { return false };
+    let is_named = last.parts.iter().any(|part| matches!(part, Part::Colon));
+    let is_alone = before.is_empty() && !is_named;
+    let has_rows_within = has_rows(inner) || shares_rows(inner) && flat_width(&last.parts).is_none();
+    brackets.open == "("
+        && (is_alone || has_rows_within)
+        && before.iter().all(|entry| flat_width(&entry.parts).is_some())
 }
 
 fn padding(brackets: &Brackets) -> &'static str {

@@ -95,14 +95,24 @@ mod tests {
     #[test]
     fn long_rows_are_broken() {
         let item = "123456789";
-        let numbers = vec![item; 30].join(", ");
+        let numbers = vec![item; 26].join(", ");
         let text = of(&format!("(values: [{numbers}], after: 1)"));
-        assert!(text.lines().all(|line| line.len() <= 120), "{text}");
-        let row = format!("        {},\n", vec![item; 10].join(", "));
-        assert_eq!(text, format!("(\n    values: [\n{row}{row}{row}    ],\n    after: 1,\n)\n"));
+        assert!(text.lines().all(|line| line.len() <= 160), "{text}");
+        let row = format!("        {},\n", vec![item; 13].join(", "));
+        assert_eq!(text, format!("(\n    values: [\n{row}{row}    ],\n    after: 1,\n)\n"));
         // A text cannot be broken.
         let long = "x".repeat(200);
         assert_eq!(of(&format!("(a: \"{long}\", b: 2)")), format!("(\n    a: \"{long}\",\n    b: 2,\n)\n"));
+    }
+
+    #[test]
+    fn brackets_share_the_rows_of_their_last_entry() {
+        let text = "(\n    angle: AxisAngle(axis: 1, angle: Track(ease: Smooth, keys: [\n        (0, 1),\n        (1, 2),\n    ])),\n)\n";
+        assert_eq!(of(text), text);
+        assert_eq!(
+            of("(a: S(b: [\n1], c: 2))"),
+            "(\n    a: S(\n        b: [\n            1,\n        ],\n        c: 2,\n    ),\n)\n"
+        );
     }
 
     #[test]
