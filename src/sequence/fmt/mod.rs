@@ -122,7 +122,7 @@ mod tests {
                         3,\n    // last\n)\n// end\n";
         assert_eq!(of(text), expected);
         assert_eq!(of("(a: // of 1\n1, b: 2)"), "(\n    a: // of 1\n        1,\n    b: 2,\n)\n");
-        assert_eq!(of("(a: [1 // one\n, 2])"), "(\n    a: [\n        1, // one\n        2,\n    ],\n)\n");
+        assert_eq!(of("(a: [1 // one\n, 2])"), "(a: [\n    1, // one\n    2,\n])\n");
         assert_eq!(of("(/* only */)"), "(\n    /* only */\n)\n");
     }
 
