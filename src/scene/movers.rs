@@ -5,7 +5,7 @@
 
 use super::{Finish, Geometry, Primitive, Scene, Shading};
 use crate::base::color::Rgb;
-use crate::base::lanes::Level;
+use crate::base::lanes::{Level, SimdKernel};
 use crate::geometry::bvh::{LeafPrimitives, LeafVisitor, Slabs, Stack, TraversalRay, Tree};
 use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::RayInterval;
@@ -97,9 +97,10 @@ impl<'a> Movers<'a> {
         (known, moment): (FrameMask, u32),
         stack: &mut Stack,
     ) -> FrameMask {
-        let known = self.always.frames_met::<L>(ray, within, test, known, stack);
+        let segment = Segment { ray, within, test };
+        let known = self.always.frames_met::<L>(segment, known, stack);
         match self.moments.get(moment as usize) {
-            Some(movers) => movers.frames_met::<L>(ray, within, test, known, stack),
+            Some(movers) => movers.frames_met::<L>(segment, known, stack),
             None => known,
         }
     }
@@ -143,20 +144,8 @@ impl<'a> MoverTree<'a> {
     }
 
     #[inline(always)]
-    fn frames_met<L: Level>(
-        &self,
-        ray: &TraversalRay,
-        within: RayInterval<f64>,
-        test: (MoverTest, RayKind),
-        known: FrameMask,
-        stack: &mut Stack,
-    ) -> FrameMask {
-        let mut search = Search { movers: self, ray, within, test, frames: known };
-        for index in self.bounded..self.all.len() {
-            search.test::<L>(index);
-        }
-        self.tree.walk_on::<L>(ray, within.max, &mut search, stack);
-        search.frames
+    fn frames_met<L: Level>(&self, segment: Segment, known: FrameMask, stack: &mut Stack) -> FrameMask {
+        L::call(FramesMet { search: Search { movers: self, segment, frames: known }, stack })
     }
 }
 
@@ -172,31 +161,73 @@ pub enum MoverTest {
     Bounds,
 }
 
-struct Search<'a> {
-    movers: &'a MoverTree<'a>,
+/// A ray within bounds, and the test by which movers count.
+#[derive(Clone, Copy)]
+struct Segment<'a> {
     ray: &'a TraversalRay,
     within: RayInterval<f64>,
     test: (MoverTest, RayKind),
+}
+
+/// The frames in which a segment meets a mover.
+struct Search<'a> {
+    movers: &'a MoverTree<'a>,
+    segment: Segment<'a>,
     frames: FrameMask,
+}
+
+/// A search of a whole tree. It is a function of its own, as is each test of a mover: many loops search, and the tests
+/// of all shapes are long.
+struct FramesMet<'a, 's> {
+    search: Search<'a>,
+    stack: &'s mut Stack,
+}
+
+impl SimdKernel for FramesMet<'_, '_> {
+    type Output = FrameMask;
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> FrameMask {
+        let Self { mut search, stack } = self;
+        let MoverTree { tree, bounded, all, .. } = search.movers;
+        for index in *bounded..all.len() {
+            search.test::<L>(index);
+        }
+        let Segment { ray, within, .. } = search.segment;
+        tree.walk_on::<L>(ray, within.max, &mut search, stack);
+        search.frames
+    }
 }
 
 impl Search<'_> {
     #[inline(always)]
     fn test<L: Level>(&mut self, index: usize) {
         let mover = &self.movers.all[index];
-        if mover.frames & !self.frames == 0 {
-            return;
-        }
-        let (test, kind) = self.test;
-        let meets = mover.primitive.rays.has(kind)
-            && match test {
-                MoverTest::Hit => mover.primitive.intersect_on::<L>(self.ray, self.within, None).is_some(),
-                MoverTest::Block => mover.primitive.occludes_on::<L>(self.ray, self.within, None),
-                MoverTest::Bounds => true,
-            };
-        if meets {
+        if mover.frames & !self.frames != 0 && L::call(Meets { mover, segment: self.segment }) {
             self.frames |= mover.frames;
         }
+    }
+}
+
+/// Whether a segment meets a mover.
+struct Meets<'a> {
+    mover: &'a Mover<'a>,
+    segment: Segment<'a>,
+}
+
+impl SimdKernel for Meets<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Level>(self) -> bool {
+        let Mover { primitive, .. } = self.mover;
+        let Segment { ray, within, test: (test, kind) } = self.segment;
+        primitive.rays.has(kind)
+            && match test {
+                MoverTest::Hit => primitive.intersect_on::<L>(ray, within, None).is_some(),
+                MoverTest::Block => primitive.occludes_on::<L>(ray, within, None),
+                MoverTest::Bounds => true,
+            }
     }
 }
 
