@@ -6,7 +6,7 @@ use crate::base::escape;
 use crate::base::files::{self, describe};
 use crate::base::units::counted;
 use crate::encode::write_file;
-use crate::sequence::{Formatted, LoadError, formatted, formatted_text};
+use crate::sequence::{Formatted, LoadError, formatted, formatted_text, is_json};
 use clap::Args;
 use std::io::stdin;
 use std::path::{Path, PathBuf};
@@ -70,6 +70,10 @@ fn is_stream(path: &Path) -> bool {
 
 fn read(path: &Path) -> Result<Formatted, Failure> {
     let refused = |error: LoadError| Failure::Faults(error.render(terminal::color()));
+    if is_json(path) {
+        let name = escape::path(path);
+        return Err(Failure::Bad(format!("{name} is in JSON; `kinora fmt` lays out RON files")));
+    }
     if !is_stream(path) {
         load::check_file(path)?;
         return formatted(path).map_err(refused);

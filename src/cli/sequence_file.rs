@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 #[derive(Args, Debug, PartialEq)]
 pub struct SequenceFile {
-    /// The sequence file (.ron)
+    /// The sequence file (.ron or .json)
     file: PathBuf,
 
     /// Allow files outside of the sequence's root folder, as in `render`
@@ -26,6 +26,11 @@ impl SequenceFile {
     /// The sequence as one plain file.
     pub fn expanded(&self) -> Result<String, Failure> {
         load::expanded(&self.file, self.allow_outside, reporter())
+    }
+
+    /// The sequence in the other notation.
+    pub fn converted(&self) -> Result<String, Failure> {
+        load::converted(&self.file, self.allow_outside)
     }
 }
 

@@ -17,6 +17,7 @@ pub fn color_or<'s, T: From<Animated<Rgb>>>(
     what: &str,
     table: &Variants<'s, T>,
 ) -> Option<T> {
+    let node = node.as_word();
     if matches!(node.word(), "" | "Srgb" | "Linear8" | "Track") || is_literal(node.word()) {
         return keyed(color)(node).map(T::from);
     }

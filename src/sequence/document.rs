@@ -36,8 +36,8 @@ use std::ops::Range;
 /// Decodes a sequence called `name`. Returns None after any fault, and reports all faults.
 pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     report_word(root);
-    // JSON files begin like this.
-    if root.text().starts_with('{') {
+    // JSON begins like this, in a file whose name ends otherwise.
+    if root.text().starts_with('{') && !root.file.is_json {
         let fault = root.mismatch("the fields of the sequence, written (name: value, ...)");
         root.fault(fault.help(EXAMPLE));
         return None;

@@ -14,6 +14,7 @@ pub fn ease(node: Node<'_>) -> Option<Ease> {
     if node.word() == "Bezier" {
         return bezier(node);
     }
+    let node = node.as_word();
     let Some(name) = node.bare_word().filter(|word| !matches!(*word, "true" | "false")) else {
         let quoted = node.is_text() && Ease::named(node.text().trim_matches('"')).is_some();
         let help = if quoted { "write it without quotes" } else { ALL };

@@ -25,7 +25,7 @@ pub struct Fields<'s> {
 impl<'s> Fields<'s> {
     /// Reads `(name: value, ...)`, with or without a word in front.
     pub fn of(node: Node<'s>, what: impl Into<Cow<'static, str>>) -> Option<Self> {
-        let what = what.into();
+        let (what, node) = (what.into(), node.as_word());
         let fields = match node.content()? {
             NodeContent::Fields(fields) => fields,
             NodeContent::Tuple(items) if items.is_empty() => Vec::new(),

@@ -5,7 +5,7 @@ use super::easing::ease;
 use super::fault::Fault;
 use super::fields::Fields;
 use super::key_clock::KeyClock;
-use super::node::{Node, NodeContent};
+use super::node::{Form, Node, NodeContent};
 use super::values::{exact_or_rounded, switch};
 use super::words::word;
 use crate::base::time::Time;
@@ -70,8 +70,10 @@ fn read_keys<'s, T: Animate>(
     value: &impl Fn(Node<'s>) -> Option<T>,
     ease: Ease,
 ) -> Option<KeyList<'s, T>> {
+    node.note_form(Form::List);
     let items = match node.content()? {
         NodeContent::List(items) if node.word().is_empty() => items,
+        NodeContent::Tuple(items) if node.file.is_json && node.word().is_empty() => items,
         _ => {
             node.expected("a list of keys [(time, value), ...]");
             return None;

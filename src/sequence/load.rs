@@ -5,10 +5,12 @@ use super::expand::source::Sources;
 use super::expand::{self, Expanded, include};
 use super::fault::Fault;
 use super::faults::Faults;
-use super::node;
-use super::{Sequence, syntax};
+use super::node::{self, Form};
+use super::{Sequence, json, syntax};
 use crate::base::files::{self, Root};
 use crate::import::LoadProgress;
+use std::borrow::Cow;
+use std::collections::HashMap;
 use std::fmt;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -81,13 +83,18 @@ pub(super) fn read(path: &Path) -> Result<String, String> {
 /// Its paths are relative to the folder of `path`. It loads as the same sequence.
 pub fn expanded(path: &Path, root: Root, meter: &Arc<LoadProgress>) -> Result<String, LoadError> {
     let text = read(path).map_err(|reason| LoadError::Unreadable { path: path.to_owned(), reason })?;
-    let source = SourceText {
-        name: &path.to_string_lossy(),
-        folder: folder_of(path),
-        root,
-        text: &text,
-        wants_plain: true,
-    };
+    expanded_text(path, &text, root, meter)
+}
+
+/// [`expanded`] for the text that a file called `path` would have.
+pub(super) fn expanded_text(
+    path: &Path,
+    text: &str,
+    root: Root,
+    meter: &Arc<LoadProgress>,
+) -> Result<String, LoadError> {
+    let source =
+        SourceText { name: &path.to_string_lossy(), folder: folder_of(path), root, text, wants_plain: true };
     source
         .parse(meter)
         .map(|loaded| loaded.plain.unwrap_or_default())
@@ -101,6 +108,14 @@ pub fn parse(name: &str, text: &str) -> Result<Sequence, Faults> {
     SourceText { name, folder, root: Root::of(folder), text, wants_plain: false }
         .parse(&Arc::default())
         .map(|loaded| loaded.sequence)
+}
+
+/// What the decoders take the values of a text for.
+pub(super) fn load_forms(path: &Path, text: &str, root: Root) -> Result<HashMap<usize, Form>, LoadError> {
+    let source =
+        SourceText { name: &path.to_string_lossy(), folder: folder_of(path), root, text, wants_plain: false };
+    let loaded = source.parse(&Arc::default()).map_err(|faults| LoadError::Faults(Box::new(faults)))?;
+    Ok(loaded.forms)
 }
 
 /// The folder to which a file's own paths are relative.
@@ -122,20 +137,31 @@ struct SourceText<'s> {
 struct Loaded {
     sequence: Sequence,
     plain: Option<String>,
+    forms: HashMap<usize, Form>,
 }
 
 impl SourceText<'_> {
     fn parse(self, meter: &Arc<LoadProgress>) -> Result<Loaded, Faults> {
         let Self { name, folder, root, text, wants_plain } = self;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let is_json = json::is_json(Path::new(name));
+        let text = &*match is_json {
+            true => json::as_ron(text)
+                .map_err(|fault| Faults::new(Sources::new(include::main(name, text, false)), vec![fault]))?,
+            false => Cow::Borrowed(text),
+        };
         let (is_common, faults) = syntax::checked(text);
         let main = || include::main(name, text, is_common);
         if !faults.is_empty() {
             return Err(Faults::new(Sources::new(main()), faults));
         }
         let decoder = Decoder { name, meter, wants_plain };
-        let file = node::File::new(text, folder, root.clone(), is_common);
-        if !expand::is_needed(file.root()) {
+        let mut file = node::File::new(text, folder, root.clone(), is_common);
+        file.is_json = is_json;
+        if is_json {
+            json::check(file.root());
+        }
+        if is_json || !expand::is_needed(file.root()) {
             let decoded = decoder.decoded(file, |at| {
                 format!("{name}:{}", text.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count() + 1)
             });
@@ -195,7 +221,7 @@ impl Decoder<'_> {
         match sequence {
             Some(sequence) if faults.is_empty() => {
                 let plain = self.wants_plain.then(|| file.plain());
-                Ok(Loaded { sequence: Sequence { warnings, ..sequence }, plain })
+                Ok(Loaded { sequence: Sequence { warnings, ..sequence }, plain, forms: file.take_forms() })
             }
             _ => {
                 if faults.is_empty() {

@@ -2,7 +2,7 @@
 
 use super::Named;
 use super::fault::Fault;
-use super::node::{Node, NodeContent};
+use super::node::{Form, Node};
 use super::suggest::shortened;
 use super::values::text;
 use super::words::report_unknown;
@@ -18,10 +18,8 @@ pub struct Entry<'s> {
 
 /// Decodes `{ "name": value, ... }`. `what` names the entries in messages, such as "light".
 pub fn entries<'s>(node: Node<'s>, what: &str) -> Option<Vec<Entry<'s>>> {
-    let Some(NodeContent::Map(map)) = (match node.word() {
-        "" => Some(node.content()?),
-        _ => None,
-    }) else {
+    node.note_form(Form::Map);
+    let Some(map) = node.map() else {
         node.expected(format!("{what}s with their names, written {{ \"name\": ... }}"));
         return None;
     };

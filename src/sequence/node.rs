@@ -8,6 +8,7 @@ use super::expand::source_map::SourceMap;
 use super::fault::Fault;
 use super::font_files::FontFiles;
 use super::image_files::ImageFiles;
+use super::json;
 use super::key_clock::KeyClock;
 use super::mesh_files::MeshFiles;
 use super::outline;
@@ -21,6 +22,7 @@ use crate::base::math::UpAxis;
 use ron::value::RawValue;
 use serde::de::{Deserialize, Deserializer, IgnoredAny};
 use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
@@ -31,6 +33,9 @@ pub struct File<'s> {
     pub base: usize,
     /// Whether the whole file is in the most common notation, which is read without ron.
     is_common: bool,
+    /// Whether the source, or a file that it includes, is in JSON, which has fewer forms than RON: an array is a list or
+    /// a tuple, an object has fields or is a map, and a text may stand for a word. [`Node`] says which is read as what.
+    pub is_json: bool,
     faults: RefCell<Vec<Fault>>,
     /// Warnings, each with its byte in the source.
     warnings: RefCell<Vec<(usize, String)>>,
@@ -53,6 +58,24 @@ pub struct File<'s> {
     pub written: Option<Written<'s>>,
     /// Parts of an expanded source that a plain file must write in another way, with their texts there.
     rewritten: RefCell<Vec<(Range<usize>, String)>>,
+    /// What decoders took values for, by their first bytes, where the other notation must know.
+    forms: RefCell<HashMap<usize, Form>>,
+}
+
+/// A form of a value that JSON or RON writes like another one. A later one of these is surer than an earlier one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Form {
+    /// A word of RON where a text could stand, too.
+    WordOrText,
+    /// Brackets as [`json::is_tuple`] reads them.
+    Fields,
+    LikelyTuple,
+    LikelyList,
+    /// What a decoder asked for.
+    Tuple,
+    List,
+    Map,
+    Word,
 }
 
 /// Where an expanded source was written.
@@ -72,6 +95,7 @@ impl<'s> File<'s> {
             source,
             base: 0,
             is_common,
+            is_json: false,
             faults: RefCell::default(),
             warnings: RefCell::default(),
             clock: Cell::default(),
@@ -84,6 +108,7 @@ impl<'s> File<'s> {
             texts: TextMeshes::default(),
             written: None,
             rewritten: RefCell::default(),
+            forms: RefCell::default(),
         }
     }
 
@@ -150,6 +175,17 @@ impl<'s> File<'s> {
         text
     }
 
+    fn note_form(&self, start: usize, form: Form) {
+        let mut forms = self.forms.borrow_mut();
+        let known = forms.entry(start).or_insert(form);
+        *known = form.max(*known);
+    }
+
+    /// Takes the forms of values, by their first bytes.
+    pub fn take_forms(&self) -> HashMap<usize, Form> {
+        self.forms.take()
+    }
+
     pub fn fault_count(&self) -> usize {
         self.faults.borrow().len()
     }
@@ -205,6 +241,12 @@ impl<'s> Node<'s> {
 
     /// A value without surrounding blanks.
     fn of_text(file: &'s File<'s>, text: &'s str) -> Self {
+        if file.is_json
+            && text.starts_with('{')
+            && let Some((word, body)) = json::leading_word(text)
+        {
+            return Self { file, text, word, body };
+        }
         let (word, body) = split_word(text);
         let text = if body.is_empty() { word } else { text };
         Self { file, text, word, body }
@@ -220,13 +262,11 @@ impl<'s> Node<'s> {
 
     /// The leading word or, without one, the opening bracket.
     pub fn head(&self) -> Range<usize> {
+        if !self.word.is_empty() {
+            return self.file.span_of(self.word);
+        }
         let start = self.span().start;
-        let len = if self.word.is_empty() {
-            self.text.chars().next().map_or(0, char::len_utf8)
-        } else {
-            self.word.len()
-        };
-        start..start + len
+        start..start + self.text.chars().next().map_or(0, char::len_utf8)
     }
 
     /// `Sphere` in `Sphere(radius: 2)`. Empty if the value has no word.
@@ -239,11 +279,66 @@ impl<'s> Node<'s> {
         (self.body.is_empty() && !self.word.is_empty()).then_some(self.word)
     }
 
+    /// The value where no text can stand: in JSON, a text that looks like a word is one.
+    pub fn as_word(self) -> Self {
+        let inner = self.text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
+        match inner.filter(|inner| self.file.is_json && json::is_word(inner)) {
+            Some(word) => {
+                self.note_form(Form::Word);
+                Self { word, body: "", ..self }
+            }
+            None => self,
+        }
+    }
+
+    /// Whether the value begins with a bracket. In JSON, `{` also begins what RON writes `(name: value)`, and `[` begins
+    /// a tuple if [`json::is_tuple`] says so.
     pub fn opens_with(&self, bracket: char) -> bool {
-        self.word.is_empty() && self.text.starts_with(bracket)
+        if !self.file.is_json {
+            return self.word.is_empty() && self.text.starts_with(bracket);
+        }
+        match (bracket, self.text.chars().next()) {
+            // A map may have a single entry, whose name looks like a word.
+            ('{', Some('{')) => true,
+            ('(', Some('{')) => self.word.is_empty(),
+            ('(', Some('[')) => json::is_tuple(&self.json_items()),
+            ('[', Some('[')) => !json::is_tuple(&self.json_items()),
+            (bracket, first) => self.word.is_empty() && first == Some(bracket),
+        }
+    }
+
+    fn json_items(&self) -> Vec<Node<'s>> {
+        match self.read_bracket(self.text) {
+            Ok(NodeContent::List(items)) => items,
+            _ => Vec::new(),
+        }
+    }
+
+    /// Notes what a decoder takes a value of a JSON file for.
+    pub fn note_form(&self, form: Form) {
+        if self.file.is_json {
+            self.file.note_form(self.span().start, form);
+        }
+    }
+
+    /// The entries of a map.
+    pub fn map(&self) -> Option<Vec<(Node<'s>, Node<'s>)>> {
+        if self.file.is_json && self.text.starts_with('{') {
+            return match self.read_bracket(self.text) {
+                Ok(NodeContent::Map(entries)) => Some(entries),
+                _ => None,
+            };
+        }
+        match self.content()? {
+            NodeContent::Map(entries) if self.word.is_empty() => Some(entries),
+            _ => None,
+        }
     }
 
     pub fn is_text(&self) -> bool {
+        if !self.file.is_json && !self.word.is_empty() {
+            self.file.note_form(self.span().start, Form::WordOrText);
+        }
         self.word.is_empty() && (self.text.starts_with('"') || self.text.starts_with('r'))
     }
 
@@ -260,14 +355,49 @@ impl<'s> Node<'s> {
     }
 
     fn read(&self) -> Result<NodeContent<'s>, ron::Error> {
+        let content =
+            match self.file.is_json && !self.word.is_empty() && !self.body.starts_with(['{', '[', '(']) {
+                // The only part of what RON writes `Word(part)`.
+                true if !self.body.is_empty() => {
+                    return Ok(NodeContent::Tuple(vec![Node::of_text(self.file, self.body)]));
+                }
+                _ => self.read_bracket(self.body)?,
+            };
+        if !self.file.is_json {
+            return Ok(content);
+        }
+        let content = match content {
+            NodeContent::Map(_) if !self.word.is_empty() && json::leading_word(self.body).is_some() => {
+                NodeContent::Tuple(vec![Node::of_text(self.file, self.body)])
+            }
+            NodeContent::Map(entries) => NodeContent::Fields(
+                entries.into_iter().map(|(key, value)| (json::name(key.text), value)).collect(),
+            ),
+            NodeContent::List(items) if !self.word.is_empty() || json::is_tuple(&items) => {
+                NodeContent::Tuple(items)
+            }
+            content => content,
+        };
+        match content {
+            _ if !self.word.is_empty() => {}
+            NodeContent::Fields(_) => self.note_form(Form::Fields),
+            NodeContent::Tuple(_) => self.note_form(Form::LikelyTuple),
+            NodeContent::List(_) => self.note_form(Form::LikelyList),
+            _ => {}
+        }
+        Ok(content)
+    }
+
+    /// Reads a text that begins with a bracket, as RON.
+    fn read_bracket(&self, body: &'s str) -> Result<NodeContent<'s>, ron::Error> {
         if self.file.is_common
-            && let Some(entries) = outline::entries(self.body)
+            && let Some(entries) = outline::entries(body)
         {
-            return Ok(self.of_entries(entries));
+            return Ok(self.of_entries(body, entries));
         }
         let node = |raw: &'s RawValue| Node::new(self.file, raw.get_ron());
-        let mut reader = ron::Deserializer::from_str(self.body)?;
-        Ok(match self.body.chars().next() {
+        let mut reader = ron::Deserializer::from_str(body)?;
+        Ok(match body.chars().next() {
             Some('(') => match reader.deserialize_any(ContentVisitor)? {
                 RawContent::Fields(fields) => {
                     NodeContent::Fields(fields.into_iter().map(|(name, raw)| (name, node(raw))).collect())
@@ -286,10 +416,10 @@ impl<'s> Node<'s> {
         })
     }
 
-    fn of_entries(&self, entries: outline::Entries<'s>) -> NodeContent<'s> {
+    fn of_entries(&self, body: &'s str, entries: outline::Entries<'s>) -> NodeContent<'s> {
         let node = |text: &'s str| Node::of_text(self.file, text);
         let named = entries.iter().filter_map(|(name, value)| Some(((*name)?, *value)));
-        match self.body.as_bytes()[0] {
+        match body.as_bytes()[0] {
             b'{' => NodeContent::Map(named.map(|(key, value)| (node(key), node(value))).collect()),
             b'(' if entries.iter().any(|(name, _)| name.is_some()) => {
                 NodeContent::Fields(named.map(|(name, value)| (name, node(value))).collect())

@@ -92,7 +92,7 @@ fn path(node: Node<'_>) -> Option<Integrator> {
 
 /// A number of bounces, or `Off`.
 fn roulette(node: Node<'_>) -> Option<Option<u32>> {
-    if node.bare_word() == Some("Off") {
+    if node.as_word().bare_word() == Some("Off") {
         return Some(None);
     }
     if !is_number(node) {

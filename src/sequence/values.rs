@@ -2,7 +2,7 @@
 
 use super::decimal::{NotExact, exact, is_decimal};
 use super::fault::Fault;
-use super::node::{Node, NodeContent};
+use super::node::{Form, Node, NodeContent};
 use super::words::word;
 use crate::base::math::{Angle, DVec3, UpAxis};
 use crate::base::time::Time;
@@ -156,8 +156,11 @@ pub fn exact_or_rounded(node: Node<'_>, places: u32) -> Option<Time> {
 
 /// Exactly `N` values in parentheses. `what` describes them for messages.
 pub fn tuple<'s, const N: usize>(node: Node<'s>, what: &str) -> Option<[Node<'s>; N]> {
+    node.note_form(Form::Tuple);
     let items = match node.content()? {
         NodeContent::Tuple(items) => items,
+        // In JSON an array is what is asked for.
+        NodeContent::List(items) if node.file.is_json => items,
         NodeContent::List(_) => {
             node.fault(node.mismatch(what).help("a value goes in parentheses ( ), a list [ ] holds keys"));
             return None;
@@ -287,8 +290,10 @@ pub fn file_path(node: Node<'_>) -> Option<String> {
 
 /// Decodes each value of a list. None if any value has a fault.
 pub fn list<'s, T>(node: Node<'s>, what: &str, decode: impl Fn(Node<'s>) -> Option<T>) -> Option<Vec<T>> {
+    node.note_form(Form::List);
     let items = match node.content()? {
         NodeContent::List(items) if node.word().is_empty() => items,
+        NodeContent::Tuple(items) if node.file.is_json && node.word().is_empty() => items,
         _ => {
             node.expected(format!("a list of {what} [ ... ]"));
             return None;

@@ -9,6 +9,7 @@ pub type Variants<'s, T> = [(&'static str, fn(Node<'s>) -> Option<T>)];
 
 /// Decodes a value by its leading word.
 pub fn variant<'s, T>(node: Node<'s>, what: &str, table: &Variants<'s, T>) -> Option<T> {
+    let node = node.as_word();
     let known = table.iter().map(|(name, _)| *name);
     if node.word().is_empty() || is_literal(node.word()) {
         report_no_word(node, known);
@@ -23,6 +24,7 @@ pub fn variant<'s, T>(node: Node<'s>, what: &str, table: &Variants<'s, T>) -> Op
 
 /// The leading word of a value, if it is one of `known`.
 pub fn known_word(node: Node<'_>, what: &str, known: &'static [&'static str]) -> Option<&'static str> {
+    let node = node.as_word();
     if node.word().is_empty() || is_literal(node.word()) {
         report_no_word(node, known.iter().copied());
         return None;
@@ -51,6 +53,7 @@ fn report_no_word<'n>(node: Node<'_>, known: impl Iterator<Item = &'n str> + Clo
 
 /// Decodes a word that stands for a value.
 pub fn word<T: Copy>(node: Node<'_>, what: &str, table: &[(&'static str, T)]) -> Option<T> {
+    let node = node.as_word();
     let known = table.iter().map(|(name, _)| *name);
     let Some(word) = node.bare_word() else {
         report_no_word(node, known);

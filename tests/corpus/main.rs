@@ -1,4 +1,5 @@
-//! One test per file: broken files and their messages, golden images, and the sequences of the repository.
+//! One test per file: broken files and their messages, golden images, and the sequences of the repository, which must
+//! render and mean the same in JSON.
 //!
 //! ```text
 //! cargo test --release --test corpus                    # all of them
@@ -13,6 +14,7 @@
 )]
 
 mod bad;
+mod converted;
 mod golden;
 mod meshes;
 #[path = "../../examples/assets/paint.rs"]
@@ -29,24 +31,25 @@ use std::process::ExitCode;
 /// A file's test: what is wrong with it, if anything is.
 type Check = fn(&Path) -> Result<(), Failed>;
 
-/// Each folder with the number of its files at least, so that none gets lost, and their test.
-const FOLDERS: [(&str, usize, Check); 4] = [
-    ("tests/bad", 60, bad::check),
-    ("tests/golden", 5, golden::check),
-    ("sequences", 26, shipped::check),
-    ("sequences/bench", 4, shipped::check_bench),
+/// Names of tests, the folder of their files, the number of files at least, so that none gets lost, and the test.
+const FOLDERS: [(&str, &str, usize, Check); 6] = [
+    ("bad", "tests/bad", 60, bad::check),
+    ("golden", "tests/golden", 5, golden::check),
+    ("sequences", "sequences", 26, shipped::check),
+    ("sequences/bench", "sequences/bench", 4, shipped::check_bench),
+    ("json/sequences", "sequences", 26, converted::check),
+    ("json/bench", "sequences/bench", 4, converted::check),
 ];
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let mut trials = Vec::new();
-    for (folder, least, check) in FOLDERS {
+    for (kind, folder, least, check) in FOLDERS {
         let files = sequences(folder);
         assert!(files.len() >= least, "{folder} has shrunk to {} files", files.len());
         for path in files {
             let name = path.file_stem().expect("a name").to_string_lossy();
-            let name = format!("{}/{name}", folder.trim_start_matches("tests/"));
-            trials.push(Trial::test(name, move || check(&path)));
+            trials.push(Trial::test(format!("{kind}/{name}"), move || check(&path)));
         }
     }
     libtest_mimic::run(&arguments, trials).exit_code()

@@ -75,6 +75,7 @@ pub fn common_over(fields: &mut Fields<'_>, default: Style) -> Option<Common> {
 }
 
 fn backdrop(node: Node<'_>) -> Option<Backdrop> {
+    let node = node.as_word();
     match (node.bare_word(), node.word()) {
         (Some("None"), _) => Some(Backdrop::None),
         (Some("Halo"), _) => Some(Backdrop::Halo),

@@ -4,8 +4,8 @@
 //! on purpose. Rows that are too long are broken.
 
 mod layout;
-mod tokens;
-mod tree;
+pub mod tokens;
+pub mod tree;
 
 use super::expand::include;
 use super::expand::source::Sources;
