@@ -6,6 +6,9 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering::Relaxed};
 use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
+/// The target of events about finished frames, one by the frame loop and one by the encoder. `--metrics` joins them.
+pub const FRAME_EVENTS: &str = "kinora::frame";
+
 /// Declares a struct of counts that add up.
 macro_rules! counts {
     ($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident),* $(,)? }) => {

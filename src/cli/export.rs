@@ -22,7 +22,7 @@ Objects become nodes with the same parents, shapes meshes, and keys animations: 
 and cubic curves as they are, all others and cameras at every frame. Kinora prints what glTF does
 not have. `Scene(\"cradle.glb\")` shows the file in another sequence.")]
 pub struct Arguments {
-    /// The sequence file (.ron)
+    /// The sequence file (.ron or .json)
     file: PathBuf,
 
     /// The file to write: .glb, or .gltf as text. It is replaced if it exists

@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use super::frame_selection::selected_frames;
 use super::loading::LoadingReporter;
+use super::observe::{Observation, ObserveOptions, observed};
 use super::options::RenderOptions;
 use super::progress::{self, ProgressMode, ProgressReporter};
 use super::{load, overrides, summary, terminal, values};
@@ -24,7 +25,7 @@ const MAX_FRAMES: u32 = 400;
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// The sequence file (.ron)
+    /// The sequence file (.ron or .json)
     file: PathBuf,
 
     /// The picture to write: .png, .jpg or .ppm [default: output/NAME_filmstrip.png]
@@ -49,6 +50,9 @@ pub struct Arguments {
 
     #[command(flatten)]
     options: RenderOptions,
+
+    #[command(flatten)]
+    observe: ObserveOptions,
 }
 
 const AFTER_HELP: &str = "\
@@ -60,9 +64,14 @@ Examples:
 -s is the size of each frame.";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    observed(&arguments.observe, |observation| rendered(arguments, observation))
+}
+
+fn rendered(arguments: &Arguments, observation: &Observation) -> Result<(), Failure> {
     let options = &arguments.options;
     let loading = LoadingReporter::new(options.progress, options.quiet);
-    let sequence = load::sequence(&arguments.file, options.allow_outside, loading)?;
+    let read = || load::sequence(&arguments.file, options.allow_outside, loading);
+    let sequence = tracing::info_span!("read").in_scope(read)?;
     let mut sequence = overrides::apply(sequence, &options.overrides()).map_err(Failure::Bad)?;
     let frames = match &arguments.frames {
         Some(set) => selected_frames(Some(set), &sequence)?,
@@ -88,6 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "a filmstrip is one picture; write .png, .jpg or .ppm, not {output}"
         )));
     }
+    observation.open(&arguments.file, std::slice::from_ref(&output), &frames)?;
     let threads = options.threads;
     let request = FilmstripRequest { frames, output, columns, text: arguments.caption.clone(), threads };
 

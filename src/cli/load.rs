@@ -32,6 +32,13 @@ pub fn with_files(
     Ok((sequence, root))
 }
 
+/// The sequence in a file in the other notation.
+pub fn converted(path: &Path, outside: bool) -> Result<String, Failure> {
+    check_file(path)?;
+    sequence::converted(path, root_of(path, outside))
+        .map_err(|error| Failure::Faults(error.render(terminal::color())))
+}
+
 /// The sequence in a file as one plain file.
 pub fn expanded(path: &Path, outside: bool, reporter: LoadingReporter) -> Result<String, Failure> {
     check_file(path)?;

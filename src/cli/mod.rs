@@ -8,6 +8,7 @@ mod accuracy;
 mod assemble;
 mod check;
 mod completions;
+mod convert;
 mod expand;
 mod explain;
 mod export;
@@ -25,6 +26,7 @@ mod json;
 mod load;
 mod loading;
 mod manual;
+mod observe;
 mod options;
 mod outputs;
 mod overrides;
@@ -76,6 +78,7 @@ enum Command {
     Expand(expand::Arguments),
     Explain(explain::Arguments),
     Fmt(fmt::Arguments),
+    Convert(convert::Arguments),
     Export(export::Arguments),
     Plan(plan::Arguments),
     #[cfg(feature = "accuracy")]
@@ -100,6 +103,7 @@ Examples:
   kinora explain tonemap                             print what a field of the file means
   kinora fmt sequences/hello.ron                     lay the file out regularly; comments stay
   kinora expand sequences/hello.ron                  print what values, templates and includes come to
+  kinora convert sequences/hello.ron -o hello.json   write the sequence as JSON
   kinora export sequences/hello.ron -o hello.glb     write the scene and its animation as glTF
   kinora plan sequences/light-show.ron               predict the time, the error and the rays
   kinora accuracy sequences/room.ron --quick         measure what accuracy costs in time
@@ -147,6 +151,7 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Expand(arguments) => expand::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Fmt(arguments) => fmt::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         #[cfg(feature = "accuracy")]

@@ -5,6 +5,7 @@ use super::failure::Failure;
 use super::filmstrip::default_output;
 use super::image_options::ImageOptions;
 use super::loading::LoadingReporter;
+use super::observe::{Observation, ObserveOptions, observed};
 use super::options::RenderOptions;
 use super::progress::{self, ProgressMode, ProgressReporter};
 use super::time_limit::{self, TimeLimitOption};
@@ -23,7 +24,7 @@ use std::sync::Arc;
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// The sequence file (.ron)
+    /// The sequence file (.ron or .json)
     file: PathBuf,
 
     /// The picture to write: .png, .jpg, .ppm or .exr [default: output/NAME_poster.png]
@@ -46,6 +47,9 @@ pub struct Arguments {
 
     #[command(flatten)]
     limit: TimeLimitOption,
+
+    #[command(flatten)]
+    observe: ObserveOptions,
 }
 
 const AFTER_HELP: &str = "\
@@ -56,9 +60,14 @@ Examples:
   kinora poster turn.ron --frame 0 --transparent --bits 16 -o cover.png";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    observed(&arguments.observe, |observation| rendered(arguments, observation))
+}
+
+fn rendered(arguments: &Arguments, observation: &Observation) -> Result<(), Failure> {
     let options = &arguments.options;
     let loading = LoadingReporter::new(options.progress, options.quiet);
-    let sequence = load::sequence(&arguments.file, options.allow_outside, loading)?;
+    let read = || load::sequence(&arguments.file, options.allow_outside, loading);
+    let sequence = tracing::info_span!("read").in_scope(read)?;
     let overrides = arguments.image.with(options.overrides());
     let mut sequence = overrides::apply(sequence, &overrides).map_err(Failure::Bad)?;
     let frame = arguments.frame_of(&sequence)?;
@@ -71,6 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "a poster is one picture; write .png, .jpg, .ppm or .exr, not {output}"
         )));
     }
+    observation.open(&arguments.file, &outputs, &[frame])?;
     let request = Request {
         outputs,
         confined: arguments.output.is_empty(),

@@ -5,6 +5,7 @@ use super::{signals, terminal, values};
 use crate::base::escape;
 use crate::encode::write_file;
 use crate::preview::{Engine, Server, SessionOptions, Watcher, channel, snapshot};
+use crate::sequence::is_json;
 use clap::Args;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -15,7 +16,7 @@ use std::time::Duration;
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// The sequence file (.ron)
+    /// The sequence file (.ron or .json)
     file: PathBuf,
 
     /// Open the page in the default browser
@@ -67,6 +68,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.file.is_dir() || !arguments.file.exists() {
         let name = escape::path(&arguments.file);
         return Err(Failure::Bad(format!("there is no file {name}")));
+    }
+    if arguments.edit && is_json(&arguments.file) {
+        let name = escape::path(&arguments.file);
+        return Err(Failure::Bad(format!("--edit writes RON, and {name} is in JSON; leave --edit out")));
     }
     let options = SessionOptions {
         file: arguments.file.clone(),

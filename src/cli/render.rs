@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use super::frame_selection::selected_frames;
 use super::loading::LoadingReporter;
+use super::observe::{Observation, ObserveOptions, observed};
 use super::options::RenderOptions;
 use super::outputs::OutputChoice;
 use super::progress::{self, ProgressMode, ProgressReporter};
@@ -20,12 +21,13 @@ use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
 use std::sync::Arc;
+use tracing::info_span;
 
 /// Render a sequence into pictures, GIFs and videos.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// The sequence file (.ron)
+    /// The sequence file (.ron or .json)
     file: PathBuf,
 
     /// File to write; repeat for several files [default: the files that the sequence names]
@@ -100,6 +102,9 @@ pub struct Arguments {
 
     #[command(flatten)]
     limit: TimeLimitOption,
+
+    #[command(flatten)]
+    observe: ObserveOptions,
 }
 
 const AFTER_HELP: &str = "\
@@ -110,11 +115,12 @@ Examples:
   kinora render turn.ron -o - | x265 --y4m - -o t.hevc  raw video for any encoder
   kinora render turn.ron --frames 7 -o - --format ppm > 7.ppm  a frame for another program
   kinora render turn.ron --frames 0-47:2 -s 640x360  every second frame, small
+  kinora render turn.ron --trace run.json            where the time goes, for ui.perfetto.dev
   kinora render turn.ron --shard 2/4                 one of four processes, on any machine
   kinora render turn.ron -r 30 --draft               a fast preview at another rate";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let result = rendered(arguments);
+    let result = observed(&arguments.observe, |observation| rendered(arguments, observation));
     let openjd = arguments.settings.options.progress == ProgressMode::OpenJd;
     if let Some(failure) = result.as_ref().err().filter(|_| openjd) {
         // If the runner went away, stderr still gets the failure.
@@ -123,9 +129,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     result
 }
 
-fn rendered(arguments: &Arguments) -> Result<(), Failure> {
+fn rendered(arguments: &Arguments, observation: &Observation) -> Result<(), Failure> {
     let options = &arguments.settings.options;
-    let mut sequence = arguments.sequence()?;
+    let mut sequence = info_span!("read").in_scope(|| arguments.sequence())?;
     let all = selected_frames(arguments.frames.as_ref(), &sequence)?;
     let frames = arguments.own_frames(&all, &sequence)?;
     let wanted = arguments.outputs()?;
@@ -141,6 +147,7 @@ fn rendered(arguments: &Arguments) -> Result<(), Failure> {
         let count = counted(all.len() as u64, "frame");
         return terminal::print_line(&format!("shard {shard} has no frames: there are {count}"));
     }
+    observation.open(&arguments.file, &outputs, &frames)?;
     let request = Request {
         outputs,
         confined: arguments.output.is_empty(),

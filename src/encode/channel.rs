@@ -33,6 +33,7 @@ fn wait(path: &Path, stop: &Stop) -> io::Result<Result<File, usize>> {
     const PAUSE: std::time::Duration = std::time::Duration::from_millis(10);
     // A blocking open would continue after a signal.
     let flags = OFlags::WRONLY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+    let _span = tracing::debug_span!("wait for a reader", path = %crate::base::escape::path(path)).entered();
     loop {
         match open(path, flags, Mode::empty()) {
             Ok(pipe) => {

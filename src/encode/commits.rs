@@ -24,6 +24,7 @@ impl Commits {
             self.wait_for_first()?;
         }
         let thread = thread::Builder::new().name("store".into()).spawn(move || {
+            let _span = tracing::debug_span!("store").entered();
             let done = file.commit();
             drop(lease);
             done
@@ -42,6 +43,7 @@ impl Commits {
 
     fn wait_for_first(&mut self) -> Result<(), EncodeError> {
         let Some(thread) = self.in_flight.pop_front() else { return Ok(()) };
+        let _span = tracing::debug_span!("wait for the disk").entered();
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     }
 }

@@ -26,12 +26,14 @@ const PAUSE: Duration = Duration::from_millis(1);
 /// The encoder may wait for tasks of the pool that the calling thread belongs to. So this function runs such tasks
 /// while the queue is full. Without that, a pool of one thread would deadlock.
 pub fn send(messages: &SyncSender<Message>, mut message: Message) -> bool {
+    let mut waiting = None;
     loop {
         match messages.try_send(message) {
             Ok(()) => return true,
             Err(TrySendError::Disconnected(_)) => return false,
             Err(TrySendError::Full(back)) => message = back,
         }
+        waiting.get_or_insert_with(|| tracing::debug_span!("wait for the encoder").entered());
         match rayon::yield_now() {
             Some(rayon::Yield::Executed) => {}
             Some(rayon::Yield::Idle) => thread::sleep(PAUSE),

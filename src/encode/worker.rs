@@ -21,6 +21,7 @@ use super::{exr, png};
 use crate::base::cancel::Stop;
 use crate::base::escape;
 use crate::base::machine::thread_cpu_time;
+use crate::base::stats::FRAME_EVENTS;
 use crate::base::units::counted;
 use crate::film::Film;
 use rayon::ThreadPool;
@@ -31,6 +32,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
+use tracing::{debug_span, info, info_span};
 
 pub struct Worker {
     job: Arc<EncodeJob>,
@@ -54,6 +56,8 @@ pub struct Worker {
     /// Number of values that exceeded the half floats of EXR files, and the first frame with such a value.
     clipped: u64,
     first_clipped: Option<u32>,
+    /// Bytes of pictures so far, EXR files and animations excluded.
+    bytes: u64,
     /// The last field, so that it is dropped after the temporary files in the folders are removed.
     folders: NewFolders,
 }
@@ -81,6 +85,7 @@ impl Worker {
             first_nan: None,
             clipped: 0,
             first_clipped: None,
+            bytes: 0,
             folders,
         })
     }
@@ -110,7 +115,10 @@ impl Worker {
     /// Runs until everything is written. If the encoder is dropped, the thread stops with an error.
     pub fn run(mut self, messages: Receiver<Message>) -> Result<Report, EncodeError> {
         loop {
-            let message = messages.recv();
+            let message = match messages.try_recv() {
+                Ok(message) => Ok(message),
+                Err(_) => debug_span!("wait for a film").in_scope(|| messages.recv()),
+            };
             let start = Instant::now();
             match message {
                 Ok(Message::Film(index, film, lease)) => self.next_film(index, film, lease.as_ref())?,
@@ -134,11 +142,23 @@ impl Worker {
 
     /// Writes a film. If this is interrupted, the error gives the number of films that were finished before.
     fn next_film(&mut self, index: usize, film: Film, lease: Option<&Arc<Lease>>) -> Result<(), EncodeError> {
+        let frame = self.job.frames[index];
+        let _span = info_span!("encode", frame).entered();
+        let noise = film.noise.map(|noise| noise.error);
+        let (start, before) = (Instant::now(), self.bytes);
         self.film(index, film, lease).map_err(|error| match error {
             EncodeError::Interrupted { signal, .. } => EncodeError::Interrupted { signal, done: self.done },
             error => error,
         })?;
         self.done += 1;
+        info!(
+            target: FRAME_EVENTS,
+            frame,
+            encode_s = start.elapsed().as_secs_f64(),
+            bytes = self.bytes - before,
+            noise,
+            "encoded"
+        );
         Ok(())
     }
 
@@ -147,7 +167,7 @@ impl Worker {
         let frame = job.frames[index];
         let info = FrameInfo { sequence: &job.info, frame, rate: job.rate };
         self.report.noise.extend(film.noise.map(|noise| (frame, noise)));
-        let (picture, nan_pixels) = self.table.develop(&film);
+        let (picture, nan_pixels) = debug_span!("develop").in_scope(|| self.table.develop(&film));
         self.report.nan_pixels += nan_pixels;
         if nan_pixels > 0 {
             self.first_nan.get_or_insert(frame);
@@ -172,7 +192,7 @@ impl Worker {
         match &mut self.animations {
             // Animations that can be made from PNGs later contain only finished frames.
             Some(animations) if !(film.unfinished && job.source().is_some()) => {
-                animations.push(picture, opaque)
+                debug_span!("animations").in_scope(|| animations.push(picture, opaque))
             }
             _ => Ok(()),
         }
@@ -182,14 +202,17 @@ impl Worker {
     fn kept(&mut self, index: usize) -> Result<(), EncodeError> {
         let job = Arc::clone(&self.job);
         let frame = job.frames[index];
+        let _span = info_span!("keep", frame).entered();
         self.report.kept += 1;
+        let redrawn = self.redrawn.get(index).copied().unwrap_or(false);
+        let film = if redrawn { "redrawn" } else { "kept" };
+        info!(target: FRAME_EVENTS, frame, film, "kept");
         if job.info.noise.is_some() {
             let noise = job.stored_metadata(frame).find_map(|entries| find_noise(&entries));
             self.report.noise.extend(noise.map(|noise| (frame, noise)));
         }
         let unidentified = |output: &&Output| !job.has_identity(output);
         let others = job.outputs.iter().any(|output| unidentified(&output));
-        let redrawn = self.redrawn.get(index).copied().unwrap_or(false);
         let Some(pattern) = job.source().filter(|_| others || redrawn) else { return Ok(()) };
         let path = pattern.path(frame);
         let (picture, bytes) = match redrawn {
@@ -231,6 +254,8 @@ impl Worker {
         bytes: io::Result<Vec<u8>>,
         lease: Option<&Arc<Lease>>,
     ) -> Result<(), EncodeError> {
+        let _span = debug_span!("write", %output).entered();
+        self.bytes += bytes.as_ref().map_or(0, |bytes| bytes.len() as u64);
         if !output.is_stream() {
             return self.commits.push(AtomicFile::with_encoded(path, bytes, &self.stop)?, lease.cloned());
         }
@@ -262,6 +287,7 @@ impl Worker {
     }
 
     fn finish(&mut self) -> Result<(), EncodeError> {
+        let _span = info_span!("finish files").entered();
         self.commits.wait()?;
         if let Some(animations) = self.animations.take() {
             self.report.notes.extend(animations.finish(&self.job, &self.pool)?);

@@ -85,6 +85,7 @@ pub fn filmstrip(
         noise: Vec::new(),
     };
     let mut frames = FrameLoop::with_aovs(sequence, aovs, cells, Arc::clone(meter));
+    frames.report_frames();
     let budget = Reuse::Share.budget(sequence, aovs);
     pool.install(|| {
         let plan = Plan::new(sequence, &request.frames, aovs, budget);

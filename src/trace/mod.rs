@@ -67,6 +67,7 @@ use pixels::PixelTracer;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use tracing::trace_span;
 
 /// The side of the square tiles, in pixels. A thread films one tile at a time.
 const TILE: u32 = 16;
@@ -128,6 +129,7 @@ fn in_tiles<T: Send>(
         let rows = top..height.min(top + TILE);
         let lefts = (0..width.div_ceil(TILE)).into_par_iter().map(|column| column * TILE);
         let traced = lefts.map(|left| {
+            let _span = trace_span!("tile", x = left, y = top).entered();
             let tile = Tile { columns: left..width.min(left + TILE), rows: rows.clone() };
             let (places, mut sums) = (tile.pixels(), Vec::new());
             sums.resize(places.len() * pixels.layers(), DVec3::ZERO);

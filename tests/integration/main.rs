@@ -46,6 +46,7 @@ mod integrators;
 mod radiance;
 mod transport;
 mod noise;
+mod observability;
 mod accuracy;
 mod stratification;
 mod time_limits;

@@ -24,7 +24,7 @@ use std::time::Duration;
 /// Options for measuring a sequence.
 #[derive(Args, Debug, PartialEq)]
 pub struct MeasureOptions {
-    /// The sequence file (.ron)
+    /// The sequence file (.ron or .json)
     #[arg(required_unless_present = "hard_cases")]
     file: Option<PathBuf>,
 

@@ -33,7 +33,7 @@ pub struct Arguments {
     #[arg(value_name = "ENGINE")]
     engine: EngineName,
 
-    /// The sequence file (.ron); the job is written into its folder
+    /// The sequence file (.ron or .json); the job is written into its folder
     file: PathBuf,
 
     /// File to write, as for `render`; repeat for several files

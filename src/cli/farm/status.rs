@@ -26,7 +26,7 @@ pub struct Arguments {
     /// The folder of the frames
     folder: PathBuf,
 
-    /// The sequence file (.ron)
+    /// The sequence file (.ron or .json)
     file: PathBuf,
 
     /// File names of the frames as in the job, without their folder [default: as in the file]

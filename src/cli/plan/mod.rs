@@ -28,7 +28,7 @@ use std::path::PathBuf;
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// The sequence file (.ron)
+    /// The sequence file (.ron or .json)
     file: PathBuf,
 
     /// Frames to plan for, written as for `render` [default: all]

@@ -6,6 +6,7 @@ mod written;
 
 use super::failure::Failure;
 use super::loading::{self, LoadingReporter};
+use super::observe::{Observation, ObserveOptions, observed};
 use super::settings::RecordedSettings;
 use super::time_limit::{self, TimeLimitOption};
 use super::{overrides, render, terminal, values};
@@ -53,6 +54,9 @@ pub struct Arguments {
 
     #[command(flatten)]
     limit: TimeLimitOption,
+
+    #[command(flatten)]
+    observe: ObserveOptions,
 }
 
 /// An upward axis of files.
@@ -98,9 +102,13 @@ The camera is fitted to the parts. Parts without colours of their own get some. 
 `kinora render` that change pictures apply.";
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    observed(&arguments.observe, |observation| rendered(arguments, observation))
+}
+
+fn rendered(arguments: &Arguments, observation: &Observation) -> Result<(), Failure> {
     let settings = &arguments.recorded.settings;
     let options = &settings.options;
-    let (sequence, written) = arguments.sequence()?;
+    let (sequence, written) = tracing::info_span!("read").in_scope(|| arguments.sequence())?;
     let mut sequence = overrides::apply(sequence, &settings.overrides()).map_err(Failure::Bad)?;
     let outputs = match arguments.output.is_empty() {
         true => sequence.output.files.clone(),
@@ -116,6 +124,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         reuse: settings.reuse(),
         time_limit: arguments.limit.time_limit,
     };
+    for part in &arguments.parts {
+        observation.open_check(part)?;
+    }
+    observation.open(&arguments.path()?, &request.outputs, &request.frames)?;
     let limit_note = time_limit::apply(&mut sequence, &request, options.quiet)?;
     let mut done = render::with_progress(options, &sequence, &request)?;
     if let Some(written) = written {

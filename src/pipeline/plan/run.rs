@@ -20,6 +20,7 @@ pub fn run<S: FilmSink>(
     let mut done = 0;
     for (index, (state, &film)) in plan.states.frames.iter().zip(&plan.film_of).enumerate() {
         let shared = &plan.films[film];
+        let _span = tracing::info_span!("frame", frame = state.frame).entered();
         let (is_first, again) = (shared.frames.first() == Some(&index), shared.frames.last() != Some(&index));
         if on() && is_first && film >= untried && !kept.contains_key(&film) {
             untried = trace_together(plan, film, frames, (&mut kept, &mut tries))?;

@@ -79,7 +79,7 @@ pub fn run_shared(
             return Ok(SharedRun { done, complete: true });
         }
         if theirs.len() == before {
-            sleep(PAUSE);
+            tracing::debug_span!("wait for other processes").in_scope(|| sleep(PAUSE));
         }
         open = theirs;
     }

@@ -30,6 +30,7 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::Instant;
+use tracing::info_span;
 
 /// Events before the first frame of a run.
 #[derive(Clone, Copy, Debug)]
@@ -99,17 +100,19 @@ fn render_frames(
     let aovs = requested_aovs(sequence, &request.outputs);
     MemoryUse::Picture.check(memory::needed(sequence, aovs))?;
     let pool = Arc::new(pool(request.threads)?);
-    let states = pool.install(|| evaluate_until(sequence, &request.frames, stop));
+    let states =
+        info_span!("evaluate").in_scope(|| pool.install(|| evaluate_until(sequence, &request.frames, stop)));
     let job = pool.install(|| job(sequence, request, &states));
     let keeps = job.can_keep_frames();
     if let Some(signal) = stop.signal().filter(|_| states.frames.len() < request.frames.len()) {
         let rest = request.frames.clone();
         return Err(RenderError::Stopped { signal, done: 0, files: Vec::new(), rest, keeps });
     }
-    let encoder = Encoder::start(job, Arc::clone(&pool), stop)?;
+    let encoder = info_span!("prepare outputs").in_scope(|| Encoder::start(job, Arc::clone(&pool), stop))?;
     let missing = encoder.missing();
     meter.frames.fetch_add((request.frames.len() - missing.len()) as u32, Relaxed);
     let mut frames = FrameLoop::with_aovs(sequence, aovs, encoder, Arc::clone(meter));
+    frames.report_frames();
     let before = machine::cpu_time();
     let states = states.only(&missing);
     let (done, expected) = pool.install(|| match request.existing {
@@ -126,7 +129,8 @@ fn render_frames(
     let encoder = frames.into_sink();
     let encoding = encoder.as_ref().and_then(Encoder::cpu);
     let cpu = after.zip(before).zip(encoding).map(|((after, before), encoding)| after - before - encoding);
-    let report = encoder.map_or_else(|| Ok(Report::default()), Encoder::finish)?;
+    let report = info_span!("wait for files")
+        .in_scope(|| encoder.map_or_else(|| Ok(Report::default()), Encoder::finish))?;
     let mut summary = summary(&stats, report, request.frames.len() as u32, start.elapsed());
     summary.cpu = cpu.map(|cpu| cpu - expected.map_or(0.0, |expected| expected.pilot));
     summary.expected = expected;
@@ -153,6 +157,7 @@ fn render_planned<S: FilmSink>(
         meter.begin(kept, Vec::new());
         let mut done = 0;
         missing.frames.iter().take_while(|_| on()).try_for_each(|state| {
+            let _span = info_span!("frame", frame = state.frame).entered();
             let has_film = frames.trace_alone(state)?;
             done += usize::from(has_film && !meter.unfinished.load(Relaxed));
             Ok::<_, FrameError>(())
@@ -161,7 +166,7 @@ fn render_planned<S: FilmSink>(
     }
     let aovs = requested_aovs(sequence, &request.outputs);
     let budget = request.reuse.budget(sequence, aovs);
-    let mut plan = Plan::from_states(missing, sequence, aovs, budget);
+    let mut plan = info_span!("plan").in_scope(|| Plan::from_states(missing, sequence, aovs, budget));
     if request.time_limit.is_some() {
         plan = plan.without_shared_paths();
     }
@@ -172,7 +177,8 @@ fn render_planned<S: FilmSink>(
     // A time limit already implies a pilot.
     if known.camera >= worth && request.time_limit.is_none() {
         notify(Notice::Pilot { plan: &plan });
-        let outlook = run_pilot(sequence, &plan, aovs, PilotTime::RUN, TimeSource::Machine);
+        let outlook = info_span!("pilot")
+            .in_scope(|| run_pilot(sequence, &plan, aovs, PilotTime::RUN, TimeSource::Machine));
         let run = outlook.forecast(&sequence.quality);
         films = run.films.iter().map(|film| film.took.wall).collect();
         forecast = Forecast { pilot: outlook.spent.cpu.unwrap_or_default(), ..forecast.with(&run) };
@@ -213,6 +219,7 @@ pub fn check(sequence: &Sequence, request: &Request) -> Result<(), RenderError> 
 /// The pool of tracing threads.
 pub(crate) fn pool(threads: Option<NonZeroUsize>) -> Result<ThreadPool, RenderError> {
     let threads = threads.map_or(0, NonZeroUsize::get);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let name = |index: usize| format!("render {index}");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(name).build();
     pool.map_err(|error| RenderError::Threads(error.to_string()))
 }

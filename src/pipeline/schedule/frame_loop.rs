@@ -1,5 +1,6 @@
 //! The frame loop: a sequence's world, driven from frame to frame.
 
+use super::frame_mark::FrameMark;
 use super::frame_state::FrameState;
 use super::frame_states::frame_states;
 use super::preview::Preview;
@@ -37,6 +38,8 @@ pub struct FrameLoop<S> {
     preview: Option<Preview>,
     /// The sequence, if other frames affect the samples of a frame: with a target error, or if views share samples.
     sampled: Option<Arc<Sequence>>,
+    /// Where the measurement of the current frame began. None unless frames are reported.
+    mark: Option<FrameMark>,
     sink: PhantomData<S>,
 }
 
@@ -68,7 +71,22 @@ impl<S: FilmSink> FrameLoop<S> {
         let quality = &sequence.quality;
         let sampled = quality.noise.is_some() || quality.shares_views();
         let sampled = sampled.then(|| Arc::new(sequence.clone()));
-        Self { world, schedule: schedule::<S>(), timeline, shutter, preview, sampled, sink: PhantomData }
+        let mark = None;
+        Self {
+            world,
+            schedule: schedule::<S>(),
+            timeline,
+            shutter,
+            preview,
+            sampled,
+            mark,
+            sink: PhantomData,
+        }
+    }
+
+    /// Reports each finished frame from now on. Trials of a few samples do not.
+    pub fn report_frames(&mut self) {
+        self.mark = Some(FrameMark::default());
     }
 
     /// Renders one frame separately and pushes its film to the sink. After an error, the loop cannot render further
@@ -99,7 +117,7 @@ impl<S: FilmSink> FrameLoop<S> {
     fn trace_with(&mut self, state: &FrameState, lit: &[LayerId], keep: bool) -> Result<bool, FrameError> {
         if state.views.is_some() {
             let film = self.trace_views(&[state], lit)?.pop();
-            film.iter().try_for_each(|film| self.push(state, film))?;
+            film.iter().try_for_each(|film| self.push_traced(state, film, "traced"))?;
             let has_film = film.is_some();
             self.world.resource_mut::<FilmInProgress>().kept = film.filter(|_| keep);
             return Ok(has_film);
@@ -113,17 +131,20 @@ impl<S: FilmSink> FrameLoop<S> {
         });
         let done = self.run(state.frame, state.moments == 1);
         self.world.insert_resource(TraceRequest::default());
-        done.map(|()| true)
+        done?;
+        self.report(state.frame, "traced");
+        Ok(true)
     }
 
     /// Makes a frame from the film of another frame with the same scene hash. The film must have all layers that this
     /// frame shows.
     pub fn reuse(&mut self, state: &FrameState, film: &Film) -> Result<(), FrameError> {
-        let pushed = self.push(state, film);
+        let pushed = self.push_film(state, film);
         self.world.resource_mut::<Stats>().reused += 1;
         let meter = &self.world.resource::<RunProgress>().0;
         meter.reused.fetch_add(1, Relaxed);
         meter.frames.fetch_add(1, Relaxed);
+        self.report(state.frame, "reused");
         pushed
     }
 
@@ -171,6 +192,24 @@ impl<S: FilmSink> FrameLoop<S> {
 
     /// Pushes a frame's film, which was traced together with other films.
     pub fn push(&mut self, state: &FrameState, film: &Film) -> Result<(), FrameError> {
+        self.push_traced(state, film, "together")
+    }
+
+    fn push_traced(&mut self, state: &FrameState, film: &Film, how: &'static str) -> Result<(), FrameError> {
+        self.push_film(state, film)?;
+        self.report(state.frame, how);
+        Ok(())
+    }
+
+    /// Reports a finished frame to whoever listens: everything since the frame before belongs to it, so that the frames
+    /// of a run add up to its summary.
+    fn report(&mut self, frame: u32, film: &'static str) {
+        let stats = self.world.resource::<Stats>();
+        self.mark.iter_mut().for_each(|mark| mark.report(frame, film, stats));
+    }
+
+    fn push_film(&mut self, state: &FrameState, film: &Film) -> Result<(), FrameError> {
+        let _span = FrameStage::Encode.span(state.frame).entered();
         let start = Instant::now();
         let film = Film { exposure: state.exposure, ..film.shown_as(state.own, &state.weights) };
         let pushed = self.world.resource_mut::<Sink<S>>().0.push(state.frame, film);

@@ -6,6 +6,7 @@
 
 mod film_settings;
 mod frame_loop;
+mod frame_mark;
 mod frame_state;
 mod frame_states;
 mod prepared_world;

@@ -87,6 +87,7 @@ impl<S: FilmSink> FrameLoop<S> {
         if snapshots.last().is_none_or(|last| last.frame == 0) {
             return Ok(PathGroup { films: Vec::new(), end });
         }
+        let _span = tracing::info_span!("trace together", first = first.frame).entered();
         let start = Instant::now();
         let settings = &self.world.resource::<RenderSettings>().0;
         let poses: Vec<FramePose> = snapshots.iter().map(|snapshot| snapshot.pose(&weights)).collect();

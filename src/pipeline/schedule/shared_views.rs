@@ -23,6 +23,7 @@ impl<S: FilmSink> FrameLoop<S> {
             let moments = frames.moments(first.frame, true);
             moments.into_iter().try_for_each(|(clock, moment)| frames.run_moment(clock, moment))
         })?;
+        let _span = tracing::info_span!("trace together", first = first.frame).entered();
         let (start, weights, world) = (Instant::now(), weights_of(first, lit), &self.world);
         let (geometry, shading) =
             (&world.resource::<Current<Geometry>>().0, &world.resource::<Current<Shading>>().0);

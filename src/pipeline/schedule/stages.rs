@@ -18,6 +18,7 @@ use bevy_ecs::system::{In, Res, ResMut};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
+use tracing::{Span, debug_span};
 
 /// The stages of a frame, in their order.
 #[derive(Clone, Copy, Debug, Hash, PartialEq, Eq, SystemSet)]
@@ -39,6 +40,17 @@ impl FrameStage {
             Self::Accelerate => "accelerate",
             Self::Trace => "trace",
             Self::Encode => "encode",
+        }
+    }
+
+    /// A span of this stage. The last stage hands the film to the sink; the encoder's thread has spans of its own.
+    pub fn span(self, frame: u32) -> Span {
+        match self {
+            Self::Animate => debug_span!("animate", frame),
+            Self::Extract => debug_span!("extract", frame),
+            Self::Accelerate => debug_span!("accelerate", frame),
+            Self::Trace => debug_span!("trace", frame),
+            Self::Encode => debug_span!("submit", frame),
         }
     }
 }
@@ -155,18 +167,38 @@ impl FirstError {
 }
 
 #[derive(Default, Resource)]
-pub struct Stopwatch(Option<Instant>);
+pub struct Stopwatch {
+    start: Option<Instant>,
+    /// The span of the current stage.
+    span: Option<Span>,
+}
 
 impl Stopwatch {
     pub fn start(&mut self) {
-        self.0 = Some(Instant::now());
+        self.start = Some(Instant::now());
     }
 
     /// Returns the time since the last start, and restarts.
     fn lap(&mut self) -> Duration {
+        if let Some(span) = self.span.take() {
+            // Entered in `begin`. A guard cannot be kept in a resource, because it must stay on its thread.
+            span.with_subscriber(|(id, subscriber)| subscriber.exit(id));
+        }
         let now = Instant::now();
-        self.0.replace(now).map_or(Duration::ZERO, |start| now - start)
+        self.start.replace(now).map_or(Duration::ZERO, |start| now - start)
     }
+
+    fn begin(&mut self, span: Span) {
+        if !span.is_disabled() {
+            span.with_subscriber(|(id, subscriber)| subscriber.enter(id));
+            self.span = Some(span);
+        }
+    }
+}
+
+/// A system that begins the span of `stage`, which its [`lap`] ends.
+pub fn begin(stage: FrameStage) -> impl FnMut(ResMut<Stopwatch>, Res<Now>) {
+    move |mut watch, now| watch.begin(stage.span(now.0.frame))
 }
 
 /// A system that adds the time since the last lap to `stage`.

@@ -1,8 +1,8 @@
 //! The systems and their order. No other file knows the order.
 
 use super::stages::{
-    FilmSink, FirstError, FrameStage, Stats, Stopwatch, accelerate, count_geometry, count_shading, encode,
-    keep_camera_error, keep_error, keep_mesh_fault, lap, no_error, trace_frame,
+    FilmSink, FirstError, FrameStage, Stats, Stopwatch, accelerate, begin, count_geometry, count_shading,
+    encode, keep_camera_error, keep_error, keep_mesh_fault, lap, no_error, trace_frame,
 };
 use crate::base::color::Rgb;
 use crate::camera::Camera;
@@ -58,8 +58,10 @@ pub fn update_schedule() -> Schedule {
     // Hidden objects load nothing, and a camera may focus on an object.
     let placed = (animate::transforms, series, deformed, animate::particles, camera).chain();
     let animated = (placed, animate::materials, animate::lights, animate::sky_and_fog, animate::weights);
-    schedule.add_systems((animated, lap(FrameStage::Animate)).chain().in_set(FrameStage::Animate));
+    let begun = begin(FrameStage::Animate);
+    schedule.add_systems((begun, animated, lap(FrameStage::Animate)).chain().in_set(FrameStage::Animate));
     let packed = (
+        begin(FrameStage::Extract),
         (extract::geometry, count_geometry).chain().run_if(extract::geometry_changed),
         (extract::shading, count_shading).chain().run_if(extract::shading_changed),
         extract::weights.run_if(extract::weights_changed),
@@ -73,11 +75,16 @@ pub fn update_schedule() -> Schedule {
 pub fn schedule<S: FilmSink>() -> Schedule {
     let mut schedule = update_schedule();
     let rebuilt = accelerate.run_if(resource_changed::<Current<Geometry>>);
-    schedule.add_systems((rebuilt, lap(FrameStage::Accelerate)).chain().in_set(FrameStage::Accelerate));
+    let begun = begin(FrameStage::Accelerate);
+    schedule
+        .add_systems((begun, rebuilt, lap(FrameStage::Accelerate)).chain().in_set(FrameStage::Accelerate));
     schedule.add_systems(
-        (trace_frame.run_if(no_error), lap(FrameStage::Trace)).chain().in_set(FrameStage::Trace),
+        (begin(FrameStage::Trace), trace_frame.run_if(no_error), lap(FrameStage::Trace))
+            .chain()
+            .in_set(FrameStage::Trace),
     );
     let encoded = encode::<S>.pipe(keep_error).run_if(no_error);
-    schedule.add_systems((encoded, lap(FrameStage::Encode)).chain().in_set(FrameStage::Encode));
+    let begun = begin(FrameStage::Encode);
+    schedule.add_systems((begun, encoded, lap(FrameStage::Encode)).chain().in_set(FrameStage::Encode));
     schedule
 }

@@ -106,6 +106,8 @@ impl AdaptiveFrame {
         moment: Moment,
         meter: &ProgressMeter,
     ) -> Counts {
+        // Blocks are too small for spans of their own.
+        let _span = tracing::debug_span!("round").entered();
         let scene = Scene { weights: &self.layers, ..*scene };
         let pixels = PixelTracer::sampled(&scene, bvh, settings, moment);
         let seed = self.seed;

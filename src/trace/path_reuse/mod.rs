@@ -140,6 +140,8 @@ impl<'a> SharedFrames<'a> {
                 return None;
             }
             let traced = tiles.par_iter().map(|tile| {
+                let (x, y) = (tile.columns.start, tile.rows.start);
+                let _span = tracing::trace_span!("tile", x, y, films = count).entered();
                 let traced = tracer.trace(tile, shares);
                 meter.rays.fetch_add(traced.1.rays.total(), Relaxed);
                 let before = finished.fetch_add(1, Relaxed);

@@ -102,6 +102,7 @@ impl ViewRun {
         tracer: &PixelTracer,
         progress: &mut ViewProgress,
     ) -> Option<()> {
+        let _span = tracing::debug_span!("view", own).entered();
         let parts = || self.grid.parts();
         let jobs: Vec<_> =
             blocks.iter().flat_map(|block| parts().map(move |numbers| (block, numbers))).collect();
