@@ -3,7 +3,7 @@
 use super::{Finish, Primitive};
 use crate::appearance::material::MaterialBinding;
 use crate::base::lanes::tests::on_all_levels;
-use crate::base::lanes::{Level, Mask, Real, Row, SimdKernel, Vec3, dispatch};
+use crate::base::lanes::{Level, Mask, Real, Row, Select, SimdKernel, Vec3, dispatch};
 use crate::base::math::{DAffine3, DVec3, Ray};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::mesh::{self, Normals, generate};
@@ -113,6 +113,8 @@ fn meet<F: Real>(primitive: &Primitive, ray: &PreparedRay<F>, within: RayInterva
     let mut at = primitive.intersect(ray, within);
     let (is_hit, t, coincident) = (at.is_hit().bits(), at.t.to_array(), at.coincident.bits());
     let blocked = primitive.occludes(ray, within).bits();
+    // Of a miss, neither t nor the part means anything.
+    at.part = F::U32::select(at.is_hit(), at.part, F::U32::splat(0));
     at.t = F::select(at.is_hit(), at.t, F::splat(1.0));
     let (surface, parts) = (primitive.surface(&ray.ray, at), at.part.to_array());
     let passed = primitive.passed(surface, at.part).store();

@@ -27,11 +27,15 @@ pub struct Frustum {
 
 out_of_line! {
     fn intersect<'k, F>(frustum: &'k Frustum, ray: &'k LaneRay<F>, within: RayInterval<F>) -> LaneHit<F> {
-        let Interval { enter, leave, enter_part, leave_part, meets } =
-            frustum.taper.crossings(&frustum.frame.local(ray));
+        let ray = frustum.frame.local(ray);
+        let near = frustum.taper.may_meet(&ray);
+        if !near.any() {
+            return LaneHit::none();
+        }
+        let Interval { enter, leave, enter_part, leave_part, meets } = frustum.taper.crossings(&ray);
         let (side, all) = (F::U32::splat(SIDE), F::Mask::splat(frustum.capped));
         let enters = within.min.lt(enter) & (all | enter_part.eq(side));
-        let seen = meets & (enters | all | leave_part.eq(side));
+        let seen = near & meets & (enters | all | leave_part.eq(side));
         let hit = LaneHit::within(seen, F::select(enters, enter, exit(enter, leave, within)), within);
         LaneHit { part: F::U32::select(enters, enter_part, leave_part), ..hit }
     }

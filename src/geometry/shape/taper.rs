@@ -2,7 +2,7 @@
 
 use crate::base::digest::Content;
 use crate::base::lanes::{Mask, Real, Row, Select, Vec3};
-use crate::base::math::{DVec2, DVec3, LaneRay, difference_of_products};
+use crate::base::math::{DVec2, DVec3, LaneRay, difference_of_products, gamma};
 
 /// The parts of cylinders and cones.
 pub const SIDE: u32 = 0;
@@ -52,6 +52,27 @@ impl Taper {
     /// The unit normal of the side in the plane of the axis: (away from the axis, along it).
     pub fn normal(&self) -> DVec2 {
         DVec2::new(self.half, -self.lean) / libm::hypot(self.half, self.lean)
+    }
+
+    /// Lines that may hit the solid: a few products, which spare most others the crossings. The solid lies within an
+    /// infinite cylinder and within a sphere. A line's distance from the axis, and from the centre, is that of its
+    /// moment o × d over the direction's length across the axis, and over all of it.
+    ///
+    /// Each component of the moment is a difference of two products, so its error is at most gamma(2) (|o| |d|). The
+    /// bounds are those of exact numbers, widened by that error and by the roundings of their own.
+    #[inline(always)]
+    pub fn may_meet<F: Real>(&self, ray: &LaneRay<F>) -> F::Mask {
+        let LaneRay { origin: o, direction: d } = ray;
+        let moment = o.cross(*d);
+        let (across, along) = (d.x * d.x + d.z * d.z, d.y * d.y);
+        let widest = self.mean + self.lean.abs();
+        let longest = d.x.abs() + d.y.abs() + d.z.abs();
+        let error = (o.x.abs() + o.y.abs() + o.z.abs()) * longest * F::splat(gamma(16));
+        let off_axis = moment.y * moment.y;
+        let off_center = off_axis + (moment.x * moment.x + moment.z * moment.z);
+        let beside = exceeds(off_axis, widest * widest, across, longest, error);
+        let around = self.half * self.half + widest * widest;
+        !(beside | exceeds(off_center, around, across + along, longest, error))
     }
 
     /// Where lines enter and leave the closed solid. It is convex, within its radius and between its ends. So a line
@@ -148,6 +169,15 @@ impl Taper {
     }
 }
 
+/// Whether the square of a moment surely exceeds that of a distance times a direction: `moment` > (r |d| + `error`)² for
+/// r² = `distance` and |d|² = `square`, where `longest` is at least |d|. NaN does not exceed.
+#[inline(always)]
+fn exceeds<F: Real>(moment: F, distance: f64, square: F, longest: F, error: F) -> F::Mask {
+    let exact = F::splat(distance * (1.0 + gamma(16))) * square;
+    let twice = F::splat(2.0 * distance.sqrt() * (1.0 + gamma(16)));
+    (exact + error * (twice * longest + error)).lt(moment)
+}
+
 /// The t at which a t² + 2 b t + c <= 0, where `q` is -(b ± √(b² - a c)) without cancellation. Of two half-lines, the
 /// one along which the radius grows with `g`.
 #[inline(always)]
@@ -166,4 +196,54 @@ fn interval<F: Real>((a, c): (F, F), q: F, g: F) -> (F, F, F::Mask) {
     let along = level & (g.eq(zero) | q.eq(zero));
     let from = F::select(along, -infinite, from);
     (from, F::select(along, infinite, to), !along | c.le(zero))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Random;
+
+    /// Points of solids, in thin and flat ones too, and lines through them from near and far, of any length.
+    #[test]
+    fn lines_through_the_solid_may_meet_it() {
+        let mut random = Random(5);
+        let mut turn = |low: f64, high: f64| low + (high - low) * random.unit();
+        for _ in 0..200_000 {
+            let (half, mean) = (libm::exp2(turn(-20.0, 20.0)), libm::exp2(turn(-20.0, 20.0)));
+            let taper = Taper { half, mean, lean: mean * turn(-1.0, 1.0) };
+            // Half of the points are on the side or at an end.
+            let y = half * turn(-1.5, 1.5).clamp(-1.0, 1.0);
+            let (sin, cos) = libm::sincos(turn(0.0, std::f64::consts::TAU));
+            let away = taper.radius(y) * turn(0.0, 2.0).min(1.0);
+            let hit = DVec3::new(away * sin, y, away * cos);
+            let direction = DVec3::new(turn(-1.0, 1.0), turn(-1.0, 1.0), turn(-1.0, 1.0));
+            let direction = direction * libm::exp2(turn(-30.0, 30.0));
+            let origin = hit - direction * libm::exp2(turn(-30.0, 60.0));
+            // What rounding leaves of the line may pass the point by the size of the origin's own rounding.
+            let miss = (hit - origin).cross(direction).length() / direction.length();
+            let ray = LaneRay { origin: Vec3::from(origin), direction: Vec3::from(direction) };
+            assert!(miss <= 4.0 * f64::EPSILON * (origin.length() + hit.length()));
+            assert!(taper.may_meet(&ray), "{taper:?} {ray:?} through {hit}");
+        }
+    }
+
+    /// Lines that pass beside the cylinder or around the sphere by a millionth of the radius.
+    #[test]
+    fn lines_beside_the_solid_are_spared() {
+        let mut random = Random(6);
+        let mut turn = |low: f64, high: f64| low + (high - low) * random.unit();
+        let taper = Taper { half: 2.0, mean: 0.75, lean: -0.25 };
+        let (widest, farthest) = (1.0, f64::sqrt(5.0));
+        for _ in 0..10_000 {
+            let (sin, cos) = libm::sincos(turn(0.0, std::f64::consts::TAU));
+            let along = DVec3::new(-cos, turn(-1.0, 1.0), sin).normalize();
+            let beside = DVec3::new(sin, 0.0, cos) * widest * (1.0 + 1e-6) + DVec3::Y * turn(-1.0, 1.0);
+            let above = along.any_orthonormal_vector() * farthest * (1.0 + 1e-6);
+            for point in [beside, above] {
+                let origin = point - along * turn(-100.0, 100.0);
+                let ray = LaneRay { origin: Vec3::from(origin), direction: Vec3::from(along) };
+                assert!(!taper.may_meet(&ray), "{ray:?}");
+            }
+        }
+    }
 }
