@@ -123,7 +123,9 @@ impl TriangleMesh {
     /// The corners of a triangle of the mesh.
     #[inline]
     pub fn corners(&self, part: u32) -> [DVec3; 3] {
-        self.data.triangles[part as usize].map(|vertex| self.data.positions[vertex as usize])
+        let [a, b, c] = self.data.triangles[part as usize];
+        let at = |vertex: u32| self.data.positions[vertex as usize];
+        [at(a), at(b), at(c)]
     }
 
     /// Prefetches a triangle that will be needed soon.

@@ -55,8 +55,8 @@ impl Grid {
     fn places(&self, prim: &PrimRef) -> [usize; 3] {
         let place =
             (prim.doubled_centre() - self.low) * self.per_length - Vec4::splat(0.5) + Vec4::splat(ROUNDING);
-        let [x, y, z, _] = place.to_array().map(|place| (place.to_bits() & 0xffff) as usize);
-        [x, y, z]
+        let bin = |place: f32| (place.to_bits() & 0xffff) as usize;
+        [bin(place.x), bin(place.y), bin(place.z)]
     }
 }
 
