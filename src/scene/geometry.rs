@@ -5,7 +5,7 @@ use super::hit::Hit;
 use super::journal::Journal;
 use super::primitive::{Finish, Primitive};
 use super::surfaces::SurfaceTable;
-use crate::appearance::texture::{Footprint, TextureEvalContext};
+use crate::appearance::texture::{Footprint, TextureEvalContext, TextureInputs};
 use crate::base::digest::{Content, Digest};
 use crate::base::math::{DAffine3, DVec2, DVec3, absolute, inverse};
 use crate::geometry::mesh::ArrayKey;
@@ -216,31 +216,34 @@ impl Geometry {
         Digest::of(&digests)
     }
 
-    /// The evaluation context of textures at a hit. `printed` states whether textures need the footprint in u and v.
-    pub fn spot(
+    /// The evaluation context of textures at a hit, with those parts that they read. `seen` is the footprint of the
+    /// pixel in the world.
+    #[inline]
+    pub fn texture_context(
         &self,
         hit: &Hit,
         surface: &Surface,
         seen: &Footprint,
-        printed: bool,
+        inputs: TextureInputs,
     ) -> TextureEvalContext<'_> {
         let Origin { shape, to_object } = &self.origins[hit.primitive as usize];
-        let point = to_object.transform_point3(surface.point);
+        let (point, part) = (to_object.transform_point3(surface.point), hit.at.part);
         let error = absolute(to_object).transform_vector3(surface.error);
-        let uv = |point: DVec3| DVec2::from(shape.uv::<f64>(point.into(), hit.at.part));
-        let seen = seen.moved(&to_object.matrix3);
-        let seen_uv = if printed { seen.to_uv(point, uv) } else { Footprint::default() };
-        let (color, ends) = (shape.color(point, hit.at.part), shape.uv_ends(hit.at.part));
-        TextureEvalContext {
-            uv: uv(point),
-            ends,
-            point,
-            error,
-            color,
-            footprint: seen,
-            footprint_uv: seen_uv,
-            shape: Some(shape),
-            part: hit.at.part,
+        let mut context =
+            TextureEvalContext { point, error, shape: Some(shape), part, ..TextureEvalContext::default() };
+        let uv = |point: DVec3| DVec2::from(shape.uv::<f64>(point.into(), part));
+        if inputs.uv {
+            (context.uv, context.ends) = (uv(point), shape.uv_ends(part));
         }
+        if inputs.color {
+            context.color = shape.color(point, part);
+        }
+        if inputs.footprint | inputs.footprint_uv {
+            context.footprint = seen.moved(&to_object.matrix3);
+        }
+        if inputs.footprint_uv {
+            context.footprint_uv = context.footprint.to_uv(point, uv);
+        }
+        context
     }
 }

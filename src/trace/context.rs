@@ -8,6 +8,7 @@ use crate::appearance::environment::Environment;
 use crate::appearance::fog::Fog;
 use crate::appearance::light_groups::GroupRadiance;
 use crate::appearance::material::{Material, MaterialBinding};
+use crate::appearance::texture::TextureInputs;
 use crate::base::color::Rgb;
 use crate::base::math::{DVec3, gamma};
 use crate::film::LayerId;
@@ -62,6 +63,8 @@ pub struct TraceContext<'a> {
     /// The largest rounding error of a point of any surface, as a length.
     pub rounding: f64,
     pub columns: Columns,
+    /// What the textures of each material read at a point.
+    texture_inputs: Vec<TextureInputs>,
     /// The lobes of all materials, and the different sets of lobes in numbered order.
     pub table: LobeTable,
     pub classes: Vec<LobeSet>,
@@ -129,6 +132,7 @@ impl<'a> TraceContext<'a> {
             rounding: bvh.reach() * gamma(32),
             columns,
             lights,
+            texture_inputs: shading.materials.iter().map(Material::texture_inputs).collect(),
             table: LobeTable::new(shading.materials.iter().map(|material| &material.lobes)),
             classes,
             class_of,
@@ -161,6 +165,11 @@ impl<'a> TraceContext<'a> {
 
     pub fn material(&self, index: u32) -> &'a Material {
         &self.scene.shading.materials[index as usize]
+    }
+
+    /// What the textures of a material read at a point.
+    pub fn texture_inputs(&self, material: u32) -> TextureInputs {
+        self.texture_inputs[material as usize]
     }
 
     /// Whether shadow rays pass any primitive.

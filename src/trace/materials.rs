@@ -28,6 +28,7 @@ impl LobeSet {
     /// Textures turn the normals.
     pub const RELIEF: Self = Self(1 << 13);
 
+    pub const ALL: Self = Self(u16::MAX);
     /// Lobes that reflect light from light sources.
     pub const REFLECTS_LIGHTS: Self =
         Self(Self::DIFFUSE.0 | Self::PHONG.0 | Self::BLINN_PHONG.0 | Self::FUZZ.0 | Self::MICROFACET.0);
@@ -135,19 +136,41 @@ impl LobeTable {
     pub fn new<'a>(all: impl ExactSizeIterator<Item = &'a Lobes>) -> Self {
         let rows = all.len();
         let mut table = Self { values: vec![0.0; COLUMNS * rows], rows };
-        all.enumerate().for_each(|(row, lobes)| table.set(row, lobes));
+        all.enumerate().for_each(|(row, lobes)| table.set(row, lobes, LobeSet::ALL));
         table
     }
 
-    /// Replaces a row.
-    pub fn set(&mut self, row: usize, lobes: &Lobes) {
-        let Lobes { emission, ambient, diffuse, specular, mirror, fuzz, transparency, .. } = *lobes;
-        let Lobes { refraction, microfacet, base, metallic, roughness, .. } = *lobes;
-        let colors = [emission, ambient, diffuse, specular, mirror, transparency, refraction, base];
-        let numbers = [fuzz, microfacet, metallic, roughness];
-        let values = colors.into_iter().flat_map(|color| color.to_array()).chain(numbers);
-        for (column, value) in values.enumerate() {
-            self.values[column * self.rows + row] = value;
+    /// Replaces a row, as far as it is about these lobes.
+    #[inline]
+    pub fn set(&mut self, row: usize, lobes: &Lobes, wanted: LobeSet) {
+        let highlight = LobeSet::PHONG | LobeSet::BLINN_PHONG;
+        let colors = [
+            (LobeSet::EMISSION, Column::EMISSION, lobes.emission),
+            (LobeSet::AMBIENT, Column::AMBIENT, lobes.ambient),
+            (LobeSet::DIFFUSE, Column::DIFFUSE, lobes.diffuse),
+            (highlight, Column::SPECULAR, lobes.specular),
+            (LobeSet::MIRROR, Column::MIRROR, lobes.mirror),
+            (LobeSet::TRANSPARENT, Column::TRANSPARENCY, lobes.transparency),
+            (LobeSet::REFRACTION, Column::REFRACTION, lobes.refraction),
+            (LobeSet::MICROFACET, Column::BASE, lobes.base),
+        ];
+        for (lobe, Column(first), color) in colors {
+            if wanted.has(lobe) {
+                for channel in 0..3 {
+                    self.values[(first + channel) * self.rows + row] = color[channel];
+                }
+            }
+        }
+        let numbers = [
+            (LobeSet::FUZZ, Column::FUZZ, lobes.fuzz),
+            (LobeSet::MICROFACET, Column::MICROFACET, lobes.microfacet),
+            (LobeSet::MICROFACET, Column::METALLIC, lobes.metallic),
+            (LobeSet::MICROFACET, Column::ROUGHNESS, lobes.roughness),
+        ];
+        for (lobe, Column(column), number) in numbers {
+            if wanted.has(lobe) {
+                self.values[column * self.rows + row] = number;
+            }
         }
     }
 

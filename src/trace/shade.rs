@@ -96,7 +96,8 @@ impl<F: Real> ShadingContext<F> {
             let needed = self.active & !self.is_final;
             let counts = &mut wave.counts.evaluations;
             let direction = self.path.ray.direction;
-            textures::look_up(context, &self.surface, direction, (self.active, needed), (wave.rows, counts));
+            let rows = (&mut *wave.rows, counts);
+            textures::look_up(context, self.lobes, &self.surface, direction, (self.active, needed), rows);
         }
         let rows = LobeRows::new::<F>(self.lobes, self.surface.material);
         let shininess = self.shininess(context);

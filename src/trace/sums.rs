@@ -5,6 +5,7 @@ use crate::base::stats::Dropped;
 
 /// Adds a sample of a layer to a sum. An invalid sample is counted and left out, because it would spoil the pixel. In
 /// the mean it counts as black.
+#[inline]
 pub fn add_sample(sum: &mut DVec3, sample: DVec3, limit: Option<f64>, dropped: &mut Dropped) {
     if sample.is_finite() && sample.min_element() >= 0.0 {
         *sum += limit.map_or(sample, |limit| sample.min(DVec3::splat(limit)));
@@ -13,6 +14,7 @@ pub fn add_sample(sum: &mut DVec3, sample: DVec3, limit: Option<f64>, dropped: &
     }
 }
 
+#[cold]
 fn count_dropped(sample: DVec3, dropped: &mut Dropped) {
     if sample.is_nan() {
         dropped.undefined += 1;

@@ -2,26 +2,27 @@
 
 use super::context::TraceContext;
 use super::interaction::SurfaceInteraction;
-use super::materials::LobeTable;
-use crate::appearance::texture::Footprint;
+use super::materials::{LobeSet, LobeTable};
+use crate::appearance::texture::{Footprint, TextureEvalContext};
 use crate::base::lanes::{Mask, Real, Row, Vec3, lanes};
 use crate::base::math::DVec3;
 use crate::base::stats::Evaluations;
 use crate::geometry::shape::{ShapeHit, Surface};
 use crate::scene::top_level::Hit;
 
-/// Writes the lobes of points into the rows of their lanes. Wanted lanes get all lobes. Other active lanes get only
-/// emission and straight transmission.
+/// Writes the lobes of points into the rows of their lanes, as far as they are in a set. Wanted lanes get all of them.
+/// Other active lanes get only emission and straight transmission.
 #[inline(always)]
 pub fn look_up<F: Real>(
     context: &TraceContext,
+    lobes: LobeSet,
     surface: &SurfaceInteraction<F>,
     direction: Vec3<F>,
     (active, wanted): (F::Mask, F::Mask),
     (rows, counts): (&mut LobeTable, &mut Evaluations),
 ) {
     let points = TexturePoints::new(surface, direction);
-    points.look_up(context, [active.bits(), wanted.bits()], (rows, counts));
+    points.look_up((context, lobes), [active.bits(), wanted.bits()], (rows, counts));
 }
 
 /// Turns the shading normals of points in the lanes of a mask, as the relief of their materials says. A normal that then
@@ -68,6 +69,19 @@ impl TexturePoints {
         }
     }
 
+    /// What textures read at the point of a lane.
+    #[inline]
+    fn texture_context<'c>(&self, context: &'c TraceContext, lane: usize) -> TextureEvalContext<'c> {
+        let (surface, inputs) = (&self.surfaces[lane], context.texture_inputs(self.materials[lane]));
+        let seen = match inputs.footprint | inputs.footprint_uv {
+            true => Footprint::new(self.widths[lane], self.directions[lane], surface.normal),
+            false => Footprint::default(),
+        };
+        let at = ShapeHit::of_part(self.t[lane], self.parts[lane]);
+        let hit = Hit { at, primitive: self.primitives[lane] };
+        context.scene.geometry.texture_context(&hit, surface, &seen, inputs)
+    }
+
     /// The coordinates of the shading normals.
     #[inline(never)]
     fn turned(&self, context: &TraceContext, active: u32, outside: u32) -> [[f64; 8]; 3] {
@@ -78,11 +92,8 @@ impl TexturePoints {
                 continue;
             }
             let surface = &self.surfaces[lane];
-            let seen = Footprint::new(self.widths[lane], self.directions[lane], surface.normal);
-            let at = ShapeHit::of_part(self.t[lane], self.parts[lane]);
-            let hit = Hit { at, primitive: self.primitives[lane] };
+            let at_point = self.texture_context(context, lane);
             let geometry = context.scene.geometry;
-            let at_point = geometry.spot(&hit, surface, &seen, material.is_uv_mapped());
             let side = if outside >> lane & 1 == 1 { 1.0 } else { -1.0 };
             // Normals are moved by the inverse transpose of the map of points.
             let to_normal = geometry.origin(self.primitives[lane] as usize).to_object().matrix3.transpose();
@@ -98,23 +109,18 @@ impl TexturePoints {
     #[inline(never)]
     fn look_up(
         &self,
-        context: &TraceContext,
+        (context, lobes): (&TraceContext, LobeSet),
         [active, wanted]: [u32; 2],
         (rows, counts): (&mut LobeTable, &mut Evaluations),
     ) {
         for lane in lanes(active) {
             let material = context.material(self.materials[lane]);
             if !material.is_textured(wanted >> lane & 1) {
-                rows.set(lane, &material.lobes);
+                rows.set(lane, &material.lobes, lobes);
                 continue;
             }
             counts.paint += 1;
-            let surface = &self.surfaces[lane];
-            let seen = Footprint::new(self.widths[lane], self.directions[lane], surface.normal);
-            let at = ShapeHit::of_part(self.t[lane], self.parts[lane]);
-            let hit = Hit { at, primitive: self.primitives[lane] };
-            let at_point = context.scene.geometry.spot(&hit, surface, &seen, material.is_uv_mapped());
-            rows.set(lane, &material.lobes_at(&at_point));
+            rows.set(lane, &material.lobes_at(&self.texture_context(context, lane)), lobes);
         }
     }
 }

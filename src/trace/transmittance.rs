@@ -219,7 +219,7 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
         let direction = ray.direction.normalize();
         if lobes.has(LobeSet::TEXTURED) {
             let room = (&mut *self.rows, &mut self.counts.evaluations);
-            textures::look_up(context, &surface, direction, (open, none), room);
+            textures::look_up(context, LobeSet::PASSES, &surface, direction, (open, none), room);
         }
         let rows = LobeRows::new::<L::F64>(lobes, material);
         let table = if lobes.has(LobeSet::TEXTURED) { &*self.rows } else { &context.table };

@@ -4,7 +4,7 @@
 
 use crate::support::{Random, direction, hit, placed, radiance_at_target};
 use kinora::appearance::material::MaterialBinding;
-use kinora::appearance::texture::{Footprint, Pattern};
+use kinora::appearance::texture::{Footprint, Pattern, TextureInputs};
 use kinora::base::math::{Angle, DAffine3, DVec3, Ray};
 use kinora::geometry::shape::{OneRay, Plane, Rectangle, Shape};
 use kinora::scene::top_level::Hit;
@@ -71,8 +71,9 @@ fn sh_17_planes_between_layers_show_one_of_them() {
                 let ray = Ray { origin: eye, direction: (p_world - eye).normalize() };
                 let at = hit(&geometry.primitives[0], ray.origin, ray.direction).expect("a hit");
                 let surface = geometry.primitives[0].surface_at(&ray, at);
-                let spot = geometry.spot(&Hit { at, primitive: 0 }, &surface, &Footprint::default(), false);
-                let share = Pattern::Checker.share(spot.point, spot.error, DVec3::ZERO);
+                let (hit, seen) = (Hit { at, primitive: 0 }, Footprint::default());
+                let context = geometry.texture_context(&hit, &surface, &seen, TextureInputs::default());
+                let share = Pattern::Checker.share(context.point, context.error, DVec3::ZERO);
                 let clear = |x: f64| (x - x.round()).abs() > 1e-4;
                 let cells = p.x.floor() + p.z.floor() + height;
                 let wrong = share != f64::from(u8::from(cells.rem_euclid(2.0) == 1.0));

@@ -10,7 +10,7 @@ pub use tracks::{LobeTracks, MaterialTracks, ReliefTracks, ScalarTextureTracks};
 
 use crate::appearance::optics::Fresnel;
 use crate::appearance::texture::relief::{self, ReliefStrength};
-use crate::appearance::texture::{Texel, Texture, TextureEvalContext};
+use crate::appearance::texture::{Texel, Texture, TextureEvalContext, TextureInputs};
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
 use crate::base::math::DVec3;
@@ -125,9 +125,13 @@ impl Material {
         self.textures.iter().any(|(slots, _)| matters(slots))
     }
 
-    /// Whether any texture has a pattern over u and v.
-    pub fn is_uv_mapped(&self) -> bool {
-        self.textures.iter().any(|(_, texture)| texture.is_uv_mapped())
+    /// What the textures read at a point. Relief compares colours and coordinates beside the point, so it needs all.
+    pub fn texture_inputs(&self) -> TextureInputs {
+        if self.has_relief() {
+            return TextureInputs::ALL;
+        }
+        let inputs = self.textures.iter().map(|(_, texture)| texture.inputs());
+        inputs.fold(TextureInputs::default(), |all, one| all | one)
     }
 
     /// Whether light refracts into the body.

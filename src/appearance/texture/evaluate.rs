@@ -9,8 +9,9 @@ use crate::base::digest::Content;
 use crate::base::math::{DVec2, DVec3};
 use crate::geometry::mesh::ArrayKey;
 use crate::geometry::shape::Shape;
+use std::ops::BitOr;
 
-/// A point of a surface, with all that textures read there.
+/// A point of a surface, with all that textures read there. Parts that no texture of the surface reads may be 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TextureEvalContext<'a> {
     /// The u and v of the surface.
@@ -29,6 +30,33 @@ pub struct TextureEvalContext<'a> {
     /// The shape, and the part of it that was hit.
     pub shape: Option<&'a Shape>,
     pub part: u32,
+}
+
+/// The parts of a [`TextureEvalContext`] that textures read. Every texture may read the point itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TextureInputs {
+    /// `uv` and `ends`.
+    pub uv: bool,
+    pub color: bool,
+    pub footprint: bool,
+    pub footprint_uv: bool,
+}
+
+impl TextureInputs {
+    pub const ALL: Self = Self { uv: true, color: true, footprint: true, footprint_uv: true };
+}
+
+impl BitOr for TextureInputs {
+    type Output = Self;
+
+    fn bitor(self, other: Self) -> Self {
+        Self {
+            uv: self.uv | other.uv,
+            color: self.color | other.color,
+            footprint: self.footprint | other.footprint,
+            footprint_uv: self.footprint_uv | other.footprint_uv,
+        }
+    }
 }
 
 impl TextureEvalContext<'_> {
@@ -161,17 +189,22 @@ impl Texture {
         }
     }
 
-    /// Whether any pattern is mapped by u and v.
-    pub fn is_uv_mapped(&self) -> bool {
+    /// What the texture reads at a point.
+    pub fn inputs(&self) -> TextureInputs {
+        let none = TextureInputs::default();
         match self {
-            Self::Color(_) | Self::VertexColor | Self::Data(_) | Self::Image(_) => false,
+            Self::Color(_) | Self::Data(_) => none,
+            Self::VertexColor => TextureInputs { color: true, ..none },
+            Self::Image(_) => TextureInputs { uv: true, ..none },
             Self::Pattern(texture) => {
-                texture.space == TextureSpace::Uv
-                    || texture.first.is_uv_mapped()
-                    || texture.second.is_uv_mapped()
+                let own = match texture.space {
+                    TextureSpace::Object => TextureInputs { footprint: true, ..none },
+                    TextureSpace::Uv => TextureInputs { uv: true, footprint_uv: true, ..none },
+                };
+                own | texture.first.inputs() | texture.second.inputs()
             }
-            Self::Product(texture) => texture.first.is_uv_mapped() || texture.second.is_uv_mapped(),
-            Self::Cutout(texture) => texture.texture.is_uv_mapped(),
+            Self::Product(texture) => texture.first.inputs() | texture.second.inputs(),
+            Self::Cutout(texture) => texture.texture.inputs(),
         }
     }
 

@@ -11,31 +11,38 @@ const LONGEST: f64 = 1e60;
 
 impl Footprint {
     /// The footprint of a round beam of this width along a unit vector, on a surface with this unit normal.
+    #[inline]
     pub fn new(width: f64, direction: DVec3, normal: DVec3) -> Self {
         if width == 0.0 {
             return Self::default();
         }
-        let across = normal.cross(direction).normalize_or(normal.any_orthonormal_vector());
+        let across = normal.cross(direction).try_normalize();
+        let across = across.unwrap_or_else(|| normal.any_orthonormal_vector());
         // At grazing angles the footprint grows without bound.
         let long = (width / normal.dot(direction).abs()).min(LONGEST);
         Self([across * width, normal.cross(across) * long])
     }
 
+    #[inline]
     pub fn moved(&self, by: &DMat3) -> Self {
-        Self(self.0.map(|diameter| *by * diameter))
+        let [a, b] = self.0;
+        Self([*by * a, *by * b])
     }
 
     /// The footprint in the coordinates `uv` of points near `at`. Differences are taken on both sides of the point, and
     /// the smaller one counts: a seam of the coordinates affects only one side.
     pub fn to_uv(&self, at: DVec3, uv: impl Fn(DVec3) -> DVec2) -> Self {
         let here = uv(at);
-        Self(self.0.map(|diameter| {
+        let span = |diameter: DVec3| {
             let (forth, back) = (uv(at + diameter * 0.5) - here, here - uv(at - diameter * 0.5));
             (forth.abs().min(back.abs()) * 2.0).extend(0.0)
-        }))
+        };
+        let [a, b] = self.0;
+        Self([span(a), span(b)])
     }
 
     /// The extent along each axis, from side to side.
+    #[inline]
     pub fn extent(&self) -> DVec3 {
         let [a, b] = self.0;
         (a * a + b * b).map(f64::sqrt)

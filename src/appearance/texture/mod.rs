@@ -24,6 +24,7 @@ pub use decode::ColorEncoding;
 pub use error::ImageError;
 pub use evaluate::{
     ColorChannel, CutoutTexture, ImageTexture, PatternTexture, ProductTexture, Texture, TextureEvalContext,
+    TextureInputs,
 };
 pub use footprint::Footprint;
 pub use image::{Image, Texel, TextureFilter};

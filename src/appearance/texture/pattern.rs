@@ -76,8 +76,10 @@ fn cell(coordinate: f64, bound: f64) -> f64 {
     (coordinate + bound).floor()
 }
 
+/// Whether a whole number is odd. Large ones are even, and infinities and NaN are not odd.
 fn is_odd(cell: f64) -> bool {
-    cell.rem_euclid(2.0) == 1.0
+    let half = 0.5 * cell;
+    half.floor() < half
 }
 
 /// The height field of dots and islands.

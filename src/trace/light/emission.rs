@@ -41,6 +41,6 @@ fn textured_emission(
 ) -> Rgb {
     let hit = Hit { at: ShapeHit::of_part(0.0, part), primitive };
     let seen = Footprint::default();
-    let at = scene.geometry.spot(&hit, surface, &seen, material.is_uv_mapped());
+    let at = scene.geometry.texture_context(&hit, surface, &seen, material.texture_inputs());
     material.lobes_at(&at).emission
 }
