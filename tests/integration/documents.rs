@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const DOCUMENTS: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "sequences/README.md"];
+const DOCUMENTS: [&str; 5] =
+    ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md", "sequences/README.md"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -107,6 +108,20 @@ fn named_files_exist() {
     let top: Vec<String> = entries("").into_iter().chain(entries("src")).collect();
     let missing: Vec<String> = documents().iter().flat_map(|document| missing(document, &top)).collect();
     assert!(missing.is_empty(), "the documents name files that do not exist:\n{}", missing.join("\n"));
+}
+
+/// A release sets its version in several files.
+#[test]
+fn versions_agree() {
+    let version = env!("CARGO_PKG_VERSION");
+    for (file, line) in [
+        ("CITATION.cff", format!("version: {version}")),
+        ("derive/Cargo.toml", format!("version = \"{version}\"")),
+        ("Cargo.toml", format!("kinora-derive = {{ path = \"derive\", version = \"{version}\" }}")),
+    ] {
+        let text = fs::read_to_string(root().join(file)).expect(file);
+        assert!(text.lines().any(|known| known == line), "{file} has no line `{line}`");
+    }
 }
 
 #[test]
