@@ -6,6 +6,7 @@ use crate::appearance::light_groups::LightGroups;
 use crate::encode::{ALBEDO, ANNOTATIONS, NORMAL, SequenceInfo};
 use std::collections::HashSet;
 
+#[warn(missing_docs)]
 impl Sequence {
     /// Name, length, settings and layer names of the sequence.
     pub fn about(&self) -> SequenceInfo {

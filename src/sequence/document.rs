@@ -23,6 +23,7 @@ use super::syntax::EXAMPLE;
 use super::timeline::{still, timeline};
 use super::transform_limits::report_out_of_range;
 use super::values::up_axis;
+use super::version;
 use super::words::report_word;
 use super::{Named, Object, Sequence};
 use crate::appearance::light::LightTracks;
@@ -43,6 +44,7 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
         return None;
     }
     let mut fields = Fields::of(root, "the sequence")?;
+    fields.optional(version::FIELD, version::version);
     // They are used up before.
     OWN_FIELDS.into_iter().for_each(|name| fields.ignore(name));
     // First, because they set the axes of vectors and the unit of key times.

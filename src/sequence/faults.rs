@@ -11,6 +11,7 @@ use std::ops::Range;
 
 /// All faults of a sequence, in the order of its files.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[warn(missing_docs)]
 pub struct Faults {
     sources: Box<Sources>,
     faults: Vec<Fault>,
@@ -27,6 +28,7 @@ const LONGEST_LINE: usize = 10_000;
 /// Maximum distance in bytes of two places that are quoted together.
 const FARTHEST: usize = 100_000;
 
+#[warn(missing_docs)]
 impl Faults {
     /// Faults at places in these sources. Several copies of one place have its fault once.
     pub(super) fn new(sources: Sources, mut all: Vec<Fault>) -> Self {

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 /// the boxes of meshes are framed.
 const MAX_POINTS: u64 = 1 << 30;
 
+#[warn(missing_docs)]
 impl Sequence {
     /// The camera with an index. If it frames objects, it is fitted to them over all frames that it shows.
     pub fn fitted_camera(&self, index: usize) -> CameraPath {

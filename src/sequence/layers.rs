@@ -47,6 +47,7 @@ pub struct LightLayers {
     pub count: usize,
 }
 
+#[warn(missing_docs)]
 impl Sequence {
     /// Number of light layers of the films.
     pub fn layers(&self) -> u64 {

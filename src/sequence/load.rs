@@ -6,7 +6,7 @@ use super::expand::{self, Expanded, include};
 use super::fault::Fault;
 use super::faults::Faults;
 use super::node::{self, Form};
-use super::{Sequence, json, syntax};
+use super::{Sequence, json, syntax, version};
 use crate::base::files::{self, Root};
 use crate::import::LoadProgress;
 use std::borrow::Cow;
@@ -21,13 +21,20 @@ const LARGEST_FILE: u64 = 64 << 20;
 
 /// Why a sequence could not be loaded.
 #[derive(Debug)]
+#[warn(missing_docs)]
 pub enum LoadError {
     /// The file cannot be read or is not text.
-    Unreadable { path: PathBuf, reason: String },
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says, or that the file is not text.
+        reason: String,
+    },
     /// The file contains faults.
     Faults(Box<Faults>),
 }
 
+#[warn(missing_docs)]
 impl LoadError {
     /// The error as text for a terminal, with or without ANSI colours.
     pub fn render(&self, color: bool) -> String {
@@ -50,6 +57,7 @@ impl fmt::Display for LoadError {
 impl std::error::Error for LoadError {}
 
 /// Loads the sequence in a file. The files that it names must be within its root, see [`Root::of`].
+#[warn(missing_docs)]
 pub fn load(path: &Path) -> Result<Sequence, LoadError> {
     load_watched(path, Root::of(folder_of(path)), &Arc::default())
 }
@@ -103,6 +111,7 @@ pub(super) fn expanded_text(
 
 /// Parses a sequence from text. `name` is its path in messages. The files that it names are relative to the directory
 /// of `name` and must be within the root of that directory. The file stem becomes the sequence's name.
+#[warn(missing_docs)]
 pub fn parse(name: &str, text: &str) -> Result<Sequence, Faults> {
     let folder = folder_of(Path::new(name));
     SourceText { name, folder, root: Root::of(folder), text, wants_plain: false }
@@ -158,6 +167,10 @@ impl SourceText<'_> {
         let decoder = Decoder { name, meter, wants_plain };
         let mut file = node::File::new(text, folder, root.clone(), is_common);
         file.is_json = is_json;
+        // Whatever else is unknown in the file may be new.
+        if let Some(fault) = version::too_new(&file) {
+            return Err(Faults::new(Sources::new(main()), vec![fault]));
+        }
         if is_json {
             json::check(file.root());
         }

@@ -255,6 +255,7 @@ fn per_vertex<'s, T>(
     Some(values)
 }
 
+#[warn(missing_docs)]
 impl Sequence {
     /// The different meshes, each with the first object that uses it. Of a series, the first mesh.
     pub fn meshes(&self) -> Vec<(&str, &mesh::TriangleMesh)> {

@@ -84,6 +84,7 @@ mod text_shape;
 mod timeline;
 mod transform;
 mod values;
+mod version;
 mod words;
 
 pub use convert::{converted, converted_text};
@@ -117,16 +118,21 @@ use crate::track::Animated;
 
 /// A whole animation. Named entries keep the file's order and refer to each other by index.
 #[derive(Clone, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub struct Sequence {
     /// The file's name without its extension.
     pub name: String,
     /// The upward axis of the objects' coordinates. Everything else is in axes with y up.
     pub up: UpAxis,
+    /// The frames and their rate.
     pub timeline: Timeline,
+    /// Size, files and formats.
     pub output: OutputSettings,
+    /// The work per pixel.
     pub quality: Quality,
     /// The environment that rays see if they hit nothing.
     pub background: EnvironmentTracks,
+    /// What absorbs and scatters light everywhere.
     pub fog: Option<FogTracks>,
     /// Light from all directions. A material reflects its `ambient` share.
     pub ambient: Animated<Rgb>,
@@ -134,8 +140,11 @@ pub struct Sequence {
     pub cameras: Vec<Named<CameraPath>>,
     /// Index of the active camera.
     pub active_camera: Animated<usize>,
+    /// The lights over time.
     pub lights: Vec<Named<LightTracks>>,
+    /// The materials over time. Objects refer to them by index.
     pub materials: Vec<Named<MaterialTracks>>,
+    /// The objects over time.
     pub objects: Vec<Named<Object>>,
     /// What is drawn over the pictures, in its order.
     pub annotations: Vec<Named<Annotation>>,
@@ -143,6 +152,7 @@ pub struct Sequence {
     pub warnings: Vec<String>,
 }
 
+#[warn(missing_docs)]
 impl Sequence {
     /// Whether any camera's shutter is ever open.
     pub fn blurs_motion(&self) -> bool {
@@ -152,12 +162,17 @@ impl Sequence {
 
 /// A value with its name in the file.
 #[derive(Clone, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub struct Named<T> {
+    /// The name.
     pub name: String,
+    /// What it names.
     pub value: T,
 }
 
+/// An object over time.
 #[derive(Clone, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub struct Object {
     /// The shape at the start.
     pub shape: Shape,
@@ -165,7 +180,9 @@ pub struct Object {
     pub tracks: Option<ShapeTracks>,
     /// Binding to the sequence's materials.
     pub made_of: MaterialBinding,
+    /// Its place in the space of its parent, or in the world.
     pub transform: TransformTracks,
+    /// Whether it is visible. A hidden object hides those of which it is the parent.
     pub visible: Animated<bool>,
     /// Which rays see the object while it is visible.
     pub rays: RayVisibility,
@@ -176,13 +193,32 @@ pub struct Object {
     pub skin_of: Option<usize>,
 }
 
+#[warn(missing_docs)]
+impl Object {
+    /// A visible shape at the origin, with the sequence's material of this index.
+    pub fn new(shape: Shape, material: u32) -> Self {
+        Self {
+            shape,
+            tracks: None,
+            made_of: MaterialBinding::One(material),
+            transform: TransformTracks::default(),
+            visible: true.into(),
+            rays: RayVisibility::default(),
+            parent: None,
+            skin_of: None,
+        }
+    }
+}
+
 /// The size, files and formats of the output.
 #[derive(Clone, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub struct OutputSettings {
     /// Width and height in pixels, at least 1.
     pub size: (u32, u32),
     /// Output files relative to the working directory; at least one, all different.
     pub files: Vec<Output>,
+    /// The curve from radiance to displayed values.
     pub tonemap: Tonemap,
     /// Exposure of the displayed picture in stops, within ±[`MAX_STOPS`](crate::film::MAX_STOPS) at every key.
     pub exposure: Animated<f64>,
@@ -192,5 +228,6 @@ pub struct OutputSettings {
     pub background_color: Rgb,
     /// The caption of every picture, over all other annotations.
     pub caption: Option<Annotation>,
+    /// Settings of the formats.
     pub formats: Formats,
 }

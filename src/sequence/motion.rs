@@ -11,7 +11,9 @@ use std::fmt::{Display, Formatter};
 
 /// The sequence has no object of this name.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[warn(missing_docs)]
 pub struct UnknownObject {
+    /// The name that was asked for.
     pub name: String,
     /// An object with a similar name.
     pub meant: Option<String>,
@@ -26,6 +28,7 @@ impl Display for UnknownObject {
 
 impl Error for UnknownObject {}
 
+#[warn(missing_docs)]
 impl Sequence {
     /// Lets a program move an object: `motion` gives, for a time in seconds, the images of the x, y and z axes and of
     /// the origin. The object's own transform follows, then its parent's.

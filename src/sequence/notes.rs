@@ -13,6 +13,7 @@ use crate::encode::{listed_letters, missing_glyphs_note};
 use crate::geometry::shape::{self, Shape};
 use std::collections::BTreeSet;
 
+#[warn(missing_docs)]
 impl Sequence {
     /// Things that are valid but may not be intended.
     pub fn notes(&self) -> Vec<String> {

@@ -25,6 +25,7 @@ pub fn all_above(objects: &[Named<Object>], object: usize, test: &dyn Fn(usize) 
     chain(objects, object).all(|at| test(at) && node(at).is_none_or(|node| all_above(objects, node, test)))
 }
 
+#[warn(missing_docs)]
 impl Sequence {
     fn object(&self, index: usize) -> &Object {
         &self.objects[index].value

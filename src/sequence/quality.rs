@@ -6,7 +6,9 @@ use crate::sampling::SamplerKind;
 
 /// The quality settings of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub struct Quality {
+    /// The algorithm.
     pub integrator: Integrator,
     /// Maximum number of reflections between surfaces on a path from a light to the eye. With 0 bounces, light travels
     /// straight from its source to the visible surface.
@@ -50,6 +52,7 @@ pub enum SampleReuse {
 
 /// A target error for adaptive sampling.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct NoiseTarget {
     /// Root mean square error of the frame as a share of its mean, above 0.
     pub error: f64,
@@ -57,6 +60,7 @@ pub struct NoiseTarget {
     pub most: u32,
 }
 
+#[warn(missing_docs)]
 impl NoiseTarget {
     /// Default of the maximum samples per pixel.
     pub const MOST: u32 = 4096;
@@ -64,6 +68,7 @@ impl NoiseTarget {
 
 /// The light transport algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub enum Integrator {
     /// Whitted's ray tracing: direct light at every surface, plus mirror reflection and transmission.
     Whitted,
@@ -76,6 +81,7 @@ pub const MAX_SAMPLES: u32 = 1 << 24;
 
 /// Settings of the path tracer.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct PathSettings {
     /// Bounces after which dim paths may end at random. None disables Russian roulette.
     pub roulette: Option<u32>,
@@ -84,6 +90,7 @@ pub struct PathSettings {
     pub refractive_shadows: bool,
 }
 
+#[warn(missing_docs)]
 impl Integrator {
     /// Whether the integrator samples lights (next-event estimation).
     pub fn samples_lights(&self) -> bool {
@@ -96,6 +103,7 @@ impl Integrator {
     }
 }
 
+#[warn(missing_docs)]
 impl Quality {
     /// Whether views from one point share samples. With a target error, the number of samples of a frame depends on its
     /// own light, so frames share none.

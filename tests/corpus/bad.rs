@@ -14,6 +14,8 @@ pub fn check(path: &Path) -> Result<(), Failed> {
     let Err(faults) = parse(&path_text, &source) else { return Err("it is accepted".into()) };
     let folder = path.with_file_name("").to_string_lossy().into_owned();
     let message = format!("{faults}\n").replace(&*path_text, &name).replace(&folder, "");
+    // The next release has the same messages.
+    let message = message.replace(concat!("Kinora ", env!("CARGO_PKG_VERSION")), "Kinora VERSION");
     let expected = path.with_extension("txt");
     if bless() {
         fs::write(&expected, message)?;

@@ -78,6 +78,11 @@ mod tests {
         assert!(text.starts_with("`tonemap` · output\n"), "{text}");
         assert!(text.contains("  default: `Srgb`\n") && text.contains("  keys: no\n"), "{text}");
         assert!(!text.contains("](#"), "links have no place in a terminal: {text}");
+        let version = explained("kinora");
+        assert!(
+            version.contains("the oldest version of Kinora") && version.contains("keys: no"),
+            "{version}"
+        );
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::super::fields::Fields;
 use super::super::names::{Entry, entries};
 use super::super::node::{File, Node, NodeContent};
 use super::super::suggest::shortened;
+use super::super::version;
 use super::super::words::report_word;
 use super::include::{Included, top_field};
 use super::misplaced::report_misplaced;
@@ -75,6 +76,7 @@ impl<'s> Definer<'s> {
                         self.state.templates.miss(index);
                         continue;
                     };
+                    fields.optional(version::FIELD, version::version);
                     fields.ignore("include");
                     let mut node = |name| fields.optional(name, Some).flatten();
                     let own = (node("let"), node("templates"));

@@ -5,6 +5,7 @@ use super::super::node::{File, Node, NodeContent};
 use super::super::suggest::shortened;
 use super::super::syntax;
 use super::super::values::{PATHS, list, text};
+use super::super::version::too_new;
 use super::parts::is_expression;
 use super::source::{Source, Sources};
 use super::state::NO_EXPRESSION;
@@ -143,6 +144,10 @@ impl Reader<'_> {
         let source = Source { name, folder, text, is_common, path: Some(path), ..Source::default() };
         let index = self.sources.push(source);
         if !is_whole {
+            return Ok(None);
+        }
+        if let Some(fault) = too_new(&file(self.sources.get(index), self.folder, self.root)) {
+            self.faults.push(fault);
             return Ok(None);
         }
         self.open.push((index, place.clone()));
