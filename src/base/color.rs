@@ -1,6 +1,7 @@
 //! Linear colour in f32.
 
 /// Red, green and blue radiance or reflectance: linear, in sRGB's primaries.
+#[warn(missing_docs)]
 pub type Rgb = glam::Vec3;
 
 /// The sRGB electro-optical transfer: a displayed value in 0..=1 to linear light (IEC 61966-2-1).

@@ -139,6 +139,7 @@ impl AddAssign for Counts {
 /// The progress of a run, shared with a thread that displays it, and a request to stop. It affects nothing else of
 /// the run.
 #[derive(Debug, Default)]
+#[warn(missing_docs)]
 pub struct ProgressMeter {
     /// Finished frames.
     pub frames: AtomicU32,
@@ -146,6 +147,7 @@ pub struct ProgressMeter {
     pub reused: AtomicU32,
     /// Finished fraction of the current frame, in thousandths.
     pub thousandths: AtomicU32,
+    /// Rays of all kinds so far.
     pub rays: AtomicU64,
     /// Set when tracing begins.
     pub start: OnceLock<RunStart>,
@@ -157,6 +159,7 @@ pub struct ProgressMeter {
     pub notices: Mutex<Vec<StatusLine>>,
 }
 
+#[warn(missing_docs)]
 impl ProgressMeter {
     /// Counts work that is done as its share of frames that are traced together: part number `before` up to number
     /// `now` of `all`.
@@ -192,6 +195,7 @@ pub struct Progress {
     pub rest: f64,
 }
 
+#[warn(missing_docs)]
 impl ProgressMeter {
     /// Notes that tracing begins.
     pub fn begin(&self, kept: usize, films: Vec<f64>) {

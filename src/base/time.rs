@@ -7,6 +7,7 @@
 use num_rational::Ratio;
 
 /// A time or a duration in seconds.
+#[warn(missing_docs)]
 pub type Time = Ratio<i128>;
 
 /// Whether one time is after another. Comparing ratios with different denominators takes divisions, unless their
@@ -26,8 +27,10 @@ fn small(time: Time) -> Option<(i128, i128)> {
 
 /// Frames per second, above zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[warn(missing_docs)]
 pub struct Rate(Time);
 
+#[warn(missing_docs)]
 impl Rate {
     /// `frames` per `seconds`; `None` unless both are above zero.
     pub fn new(frames: i128, seconds: i128) -> Option<Self> {
@@ -65,13 +68,17 @@ impl std::fmt::Display for Rate {
 
 /// The frames of a sequence: k = 0 … `frames` - 1 at time k / `rate`. The end is exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[warn(missing_docs)]
 pub struct Timeline {
+    /// Frames per second.
     pub rate: Rate,
     /// Length in seconds. Not always a whole number of frames.
     pub duration: Time,
+    /// Number of frames.
     pub frames: u32,
 }
 
+#[warn(missing_docs)]
 impl Timeline {
     /// `frames` frames at `rate`.
     pub fn of_frames(frames: u32, rate: Rate) -> Self {

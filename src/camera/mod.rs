@@ -30,15 +30,23 @@ impl<F: Real> RayCone<F> {
 
 /// The mapping from space to the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub enum Projection {
-    /// Half the picture's height at distance 1: the tangent of half the vertical field of view.
-    Perspective { half_height: f64 },
-    /// Half the picture's height in world units.
-    Orthographic { half_height: f64 },
+    /// Rays leave from one point.
+    Perspective {
+        /// Half the picture's height at distance 1: the tangent of half the vertical field of view.
+        half_height: f64,
+    },
+    /// Rays are parallel.
+    Orthographic {
+        /// Half the picture's height in world units.
+        half_height: f64,
+    },
 }
 
 /// A thin lens.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct ThinLens {
     /// In world units, above 0.
     pub radius: f64,
@@ -75,15 +83,21 @@ impl ProjectedPoint {
     }
 }
 
+/// A camera at one moment.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct Camera {
+    /// The eye, or the centre of the lens.
     pub position: DVec3,
+    /// Its orientation.
     pub basis: Basis,
+    /// How it maps space to the picture.
     pub projection: Projection,
     /// None for a pinhole.
     pub lens: Option<ThinLens>,
 }
 
+#[warn(missing_docs)]
 impl Camera {
     /// The cones of pixels around rays. `pixel` is the height of a pixel in the units of [`Camera::ray`]. The cones
     /// ignore depth of field.

@@ -20,6 +20,7 @@ use std::sync::Arc;
 
 /// How a run treats the files of an earlier run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[warn(missing_docs)]
 pub enum Existing {
     /// Keep frames that are complete and current. Make all others and replace their files.
     #[default]

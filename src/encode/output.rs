@@ -19,6 +19,7 @@ use format::{MOVING, STILLS, UNSUPPORTED_VIDEOS, named};
 
 /// One output of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[warn(missing_docs)]
 pub enum Output {
     /// One file per frame.
     Stills(StillFormat, FramePattern),
@@ -31,6 +32,7 @@ pub enum Output {
 /// The name of the standard output.
 const STREAM: &str = "-";
 
+#[warn(missing_docs)]
 impl Output {
     /// Parses an output. The extension decides the format, in upper or lower case.
     pub fn parse(text: impl AsRef<Path>) -> Result<Self, OutputError> {

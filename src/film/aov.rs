@@ -6,6 +6,7 @@ use glam::Vec3;
 
 /// The AOVs (arbitrary output variables) that a film records besides light. Others are neither traced nor stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[warn(missing_docs)]
 pub struct AovSet {
     /// How much of the background is visible in each pixel. The film then omits light that camera rays receive from
     /// the background directly.
@@ -17,6 +18,7 @@ pub struct AovSet {
 /// The number of layers of the denoising features: [depth, hits, 0], normal and albedo.
 const FEATURES: usize = 3;
 
+#[warn(missing_docs)]
 impl AovSet {
     /// The number of their layers. They follow the layers of light.
     pub fn layers(self) -> usize {
@@ -36,6 +38,7 @@ impl AovSet {
 
 /// The first visible surface of a pixel, as the mean over its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub struct DenoisingFeatures {
     /// Distance from the camera along its line of sight; `None` if no sample hits anything.
     pub depth: Option<f32>,

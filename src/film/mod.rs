@@ -22,11 +22,15 @@ pub const MAX_STOPS: f64 = 40.0;
 
 /// The index of a layer of the film. Layer 0 holds all light whose weight has no keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Content)]
+#[warn(missing_docs)]
 pub struct LayerId(pub u32);
 
+#[warn(missing_docs)]
 impl LayerId {
+    /// The layer of all light whose weight has no keys.
     pub const CONSTANT: Self = Self(0);
 
+    /// The place of the layer in lists of weights.
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -35,8 +39,11 @@ impl LayerId {
 /// Linear radiance of one frame, in one layer per weight. Because light is linear, the picture is the sum of
 /// `weights[l]` times layer l. So a frame that differs only in weights needs no rays.
 #[derive(Clone, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub struct Film {
+    /// Pixels in a row.
     pub width: u32,
+    /// Rows of pixels.
     pub height: u32,
     /// One weight per layer of light. Layers are traced with weight 1. A layer of weight 0 is dark, whatever the film
     /// holds for it.
@@ -63,7 +70,9 @@ pub fn lit(weights: &[Rgb]) -> impl Iterator<Item = LayerId> {
     (0..).zip(weights).filter(|(_, weight)| **weight != Rgb::ZERO).map(|(layer, _)| LayerId(layer))
 }
 
+#[warn(missing_docs)]
 impl Film {
+    /// A black film of light alone.
     pub fn new(width: u32, height: u32, weights: Vec<Rgb>) -> Self {
         Self::with_aovs(width, height, weights, AovSet::default())
     }

@@ -9,9 +9,13 @@ use bevy_ecs::component::Component;
 /// Translation, rotation and scale over time. A point p goes to
 /// translation + pivot + R(scale · (p - pivot)). If a program moves the object, p is moved first.
 #[derive(Clone, Component, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub struct TransformTracks {
+    /// Moves the object, after everything else.
     pub translation: Animated<DVec3>,
+    /// Turns it about the pivot.
     pub rotation: Rotation,
+    /// Scales it along its axes, away from the pivot.
     pub scale: Animated<DVec3>,
     /// The fixed point of rotation and scale.
     pub pivot: DVec3,
@@ -21,13 +25,26 @@ pub struct TransformTracks {
 
 /// A rotation over time.
 #[derive(Clone, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub enum Rotation {
     /// Unit quaternions, interpolated along the shorter arc.
     Quaternion(Animated<DQuat>),
     /// About an axis of any nonzero length, by any angle, also more than a turn.
-    AxisAngle { axis: Animated<DVec3>, angle: Animated<Angle> },
+    AxisAngle {
+        /// The axis.
+        axis: Animated<DVec3>,
+        /// The angle, counterclockwise if the axis points to the eye.
+        angle: Animated<Angle>,
+    },
     /// About the fixed axes x, then y, then z.
-    Euler { x: Animated<Angle>, y: Animated<Angle>, z: Animated<Angle> },
+    Euler {
+        /// The angle about the x axis.
+        x: Animated<Angle>,
+        /// The angle about the y axis.
+        y: Animated<Angle>,
+        /// The angle about the z axis.
+        z: Animated<Angle>,
+    },
 }
 
 impl Default for TransformTracks {
@@ -42,6 +59,7 @@ impl Default for TransformTracks {
     }
 }
 
+#[warn(missing_docs)]
 impl Rotation {
     /// Whether any part has keys.
     pub fn is_keyed(&self) -> bool {
@@ -61,6 +79,7 @@ impl Rotation {
         }
     }
 
+    /// The rotation at a time.
     pub fn at(&self, time: Time) -> DMat3 {
         match self {
             Self::Quaternion(quaternion) => DMat3::from_quat(quaternion.at(time)),
@@ -73,6 +92,7 @@ impl Rotation {
     }
 }
 
+#[warn(missing_docs)]
 impl TransformTracks {
     /// Whether the transform may change over time.
     pub fn is_keyed(&self) -> bool {

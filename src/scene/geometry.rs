@@ -16,7 +16,9 @@ use std::collections::HashMap;
 /// The primitives in the order of the file, each in a slot of its own. The slot of a hidden or flattened object is
 /// empty, so the index of a primitive never changes.
 #[derive(Clone, Debug, Default)]
+#[warn(missing_docs)]
 pub struct Geometry {
+    /// The content of each slot.
     pub primitives: Vec<Primitive>,
     /// For each primitive, the shape in its own space. Only textures read it.
     origins: Vec<Origin>,
@@ -80,6 +82,7 @@ impl UseCounts {
     }
 }
 
+#[warn(missing_docs)]
 impl Geometry {
     /// Geometry of empty slots.
     pub fn with_slots(count: usize) -> Self {

@@ -37,8 +37,11 @@ use std::sync::Arc;
 
 /// Materials and light sources.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[warn(missing_docs)]
 pub struct Shading {
+    /// The materials, to which primitives refer by index.
     pub materials: Vec<Material>,
+    /// The lights. Those that are primitives are in the geometry, too.
     pub lights: Vec<Light>,
     /// The radiance of rays that hit nothing.
     pub environment: Environment,
@@ -46,22 +49,30 @@ pub struct Shading {
     pub sky_table: Option<Arc<EnvironmentDistribution>>,
     /// Constant light from all directions.
     pub ambient: GroupRadiance,
+    /// What absorbs and scatters light everywhere.
     pub fog: Option<Fog>,
 }
 
 /// The weight of each layer of the film.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[warn(missing_docs)]
 pub struct Weights(pub Vec<Rgb>);
 
 /// All inputs of the tracer for one frame.
 #[derive(Clone, Copy, Debug)]
+#[warn(missing_docs)]
 pub struct Scene<'a> {
+    /// The shapes.
     pub geometry: &'a Geometry,
+    /// Materials and light sources.
     pub shading: &'a Shading,
+    /// The weight of each layer of the film.
     pub weights: &'a Weights,
+    /// The eye.
     pub camera: &'a Camera,
 }
 
+#[warn(missing_docs)]
 impl<'a> Scene<'a> {
     /// The lights with a weight above 0, each with its index.
     pub fn lights(&self) -> impl Iterator<Item = (u32, &'a Light)> {

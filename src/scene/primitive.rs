@@ -25,7 +25,9 @@ pub struct Primitive {
 
 /// The material of a primitive, or its light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Content)]
+#[warn(missing_docs)]
 pub enum Finish {
+    /// The primitive shows these materials.
     Material(MaterialBinding),
     /// Index into the scene's lights: the primitive is that light.
     Light(u32),
@@ -33,6 +35,7 @@ pub enum Finish {
     Empty,
 }
 
+#[warn(missing_docs)]
 impl Finish {
     /// The indices of all materials.
     pub fn materials(self) -> impl Iterator<Item = u32> {

@@ -55,6 +55,7 @@ impl SurfaceTable {
     }
 }
 
+#[warn(missing_docs)]
 impl Geometry {
     /// The surfaces at hits of rays with primitives, in the lanes of a mask.
     #[inline(always)]

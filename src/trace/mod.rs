@@ -76,6 +76,7 @@ const TILE: u32 = 16;
 const BLOCK: (u32, u32) = (4, 2);
 
 /// Traces one frame, in all layers that are not dark. The film and the counts are the same for any number of threads.
+#[warn(missing_docs)]
 pub fn trace(scene: &Scene, bvh: &Bvh, settings: &TraceSettings, meter: &ProgressMeter) -> (Film, Counts) {
     trace_weighted(scene, bvh, settings, &[scene.weights.0.clone()].into(), meter)
 }

@@ -6,14 +6,24 @@ use crate::sequence::quality::Quality;
 
 /// Settings of the tracer.
 #[derive(Clone, Debug)]
+#[warn(missing_docs)]
 pub struct TraceSettings {
     /// Width and height in pixels.
     pub size: (u32, u32),
+    /// The work per pixel.
     pub quality: Quality,
     /// The sampler of the quality's reconstruction filter.
     pub filter: FilterSampler,
     /// What films record besides light.
     pub aovs: AovSet,
+}
+
+#[warn(missing_docs)]
+impl TraceSettings {
+    /// Settings of a film of light alone.
+    pub fn new(size: (u32, u32), quality: Quality) -> Self {
+        Self { size, quality, filter: FilterSampler::new(quality.filter), aovs: AovSet::default() }
+    }
 }
 
 /// One of the moments at which an open shutter samples motion.

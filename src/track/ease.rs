@@ -4,9 +4,11 @@ use std::f64::consts::PI;
 
 /// How a value changes from one key to the next. The curves are those of easings.net and of CSS.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[warn(missing_docs)]
 pub enum Ease {
     /// Holds until the next key, then jumps.
     Step,
+    /// At a constant speed.
     #[default]
     Linear,
     /// 3s² - 2s³: zero speed at both ends.
@@ -71,6 +73,7 @@ const PLAIN: [(&str, Ease); 9] = [
     ("EaseInOut", Ease::Bezier([0.42, 0.0, 0.58, 1.0])),
 ];
 
+#[warn(missing_docs)]
 impl Ease {
     /// The easing with a name such as `Smooth`, `EaseOut` or `InOutQuad`.
     pub fn named(name: &str) -> Option<Self> {

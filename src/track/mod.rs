@@ -14,25 +14,35 @@ pub use interpolate::{Animate, LogScale, Modes};
 pub use switch::Switch;
 
 use crate::base::time::{Fraction, Time, is_after};
+use std::error::Error;
+use std::fmt;
 use std::sync::Arc;
 
 /// A constant or keyed value.
 #[derive(Clone, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub enum Animated<T> {
+    /// The same at all times.
     Constant(T),
+    /// Given by keys.
     Keyed(Track<T>),
 }
 
 /// One key: at `time` the value is `value`, and `ease` interpolates to the next key.
 #[derive(Clone, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub struct Key<T> {
+    /// Seconds from the start of the sequence.
     pub time: Time,
+    /// The value at this time.
     pub value: T,
+    /// How the value changes up to the next key.
     pub ease: Ease,
 }
 
 /// What a track does outside its keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[warn(missing_docs)]
 pub enum Repeat {
     /// The first value before the first key, the last one after the last.
     #[default]
@@ -45,6 +55,7 @@ pub enum Repeat {
 
 /// Keys in strictly increasing order of time; at least one. Clones share them.
 #[derive(Clone, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub struct Track<T> {
     keys: Arc<[Key<T>]>,
     repeat: Repeat,
@@ -56,13 +67,28 @@ pub struct Track<T> {
 
 /// Why keys are not a track. The numbers are indices of keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[warn(missing_docs)]
 pub enum TrackError {
+    /// There are no keys.
     Empty,
     /// The key's time is not after the one before it.
     NotAscending(usize),
 }
 
+impl fmt::Display for TrackError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => f.write_str("a track needs at least one key"),
+            Self::NotAscending(key) => write!(f, "key {key} must be after the key before it"),
+        }
+    }
+}
+
+impl Error for TrackError {}
+
+#[warn(missing_docs)]
 impl<T: Animate> Track<T> {
+    /// A track of keys. `closed` says that the last key repeats the first, so that splines go on smoothly there.
     pub fn new(keys: Vec<Key<T>>, repeat: Repeat, closed: bool) -> Result<Self, TrackError> {
         if keys.is_empty() {
             return Err(TrackError::Empty);
@@ -113,10 +139,12 @@ impl<T: Animate> Track<T> {
         times
     }
 
+    /// The keys, in the order of their times.
     pub fn keys(&self) -> &[Key<T>] {
         &self.keys
     }
 
+    /// What the track does outside its keys.
     pub fn repeat(&self) -> Repeat {
         self.repeat
     }
@@ -192,7 +220,9 @@ impl<T: Animate> Track<T> {
     }
 }
 
+#[warn(missing_docs)]
 impl<T: Animate> Animated<T> {
+    /// The value at a time.
     pub fn at(&self, time: Time) -> T {
         match self {
             Self::Constant(value) => value.clone(),
@@ -200,6 +230,7 @@ impl<T: Animate> Animated<T> {
         }
     }
 
+    /// Whether it has keys.
     pub fn is_keyed(&self) -> bool {
         matches!(self, Self::Keyed(_))
     }

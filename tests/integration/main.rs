@@ -8,6 +8,7 @@
 mod command;
 mod support;
 
+mod face;
 mod rooms;
 mod documents;
 mod bounces;

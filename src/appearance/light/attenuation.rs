@@ -7,9 +7,13 @@ use crate::base::lanes::Real;
 /// least
 /// 0.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct Attenuation {
+    /// The part of the divisor that is the same at all distances.
     pub constant: f64,
+    /// The part that grows with the distance.
     pub linear: f64,
+    /// The part that grows with the square of the distance.
     pub quadratic: f64,
 }
 
@@ -20,7 +24,9 @@ impl Default for Attenuation {
     }
 }
 
+#[warn(missing_docs)]
 impl Attenuation {
+    /// The fraction that arrives at a distance.
     #[inline(always)]
     pub fn share<F: Real>(&self, distance: F) -> F {
         let one = F::splat(1.0);

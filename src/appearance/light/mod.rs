@@ -16,7 +16,9 @@ use bevy_ecs::component::Component;
 
 /// A light at one moment, without its keyed weight. Switching and fading a light change only the weight of its layer.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct Light {
+    /// Where the light comes from.
     pub source: Source,
     /// The product of the constant factors of colour and intensity. A point, spot or directional light of radiance 1
     /// gives radiance 1 on a facing surface of diffuse 1. An area light has this radiance, seen from any distance.
@@ -27,19 +29,41 @@ pub struct Light {
 
 /// The shape and position of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub enum Source {
     /// Light from one point, the same in all directions.
-    Point { position: DVec3, attenuation: Attenuation },
+    Point {
+        /// The point.
+        position: DVec3,
+        /// What is left at a distance.
+        attenuation: Attenuation,
+    },
     /// Light from one point into a cone.
-    Spot { position: DVec3, cone: SpotCone, attenuation: Attenuation },
-    /// Light from infinitely far away. `to_light` is a unit vector.
-    Directional { to_light: DVec3 },
+    Spot {
+        /// The point.
+        position: DVec3,
+        /// The directions that get light.
+        cone: SpotCone,
+        /// What is left at a distance.
+        attenuation: Attenuation,
+    },
+    /// Light from infinitely far away.
+    Directional {
+        /// The unit vector towards the light.
+        to_light: DVec3,
+    },
     /// Every point of a sphere emits outwards.
     Sphere(Sphere),
     /// Every point of a rectangle emits, to both sides or only to the side of `u` × `v`.
-    Rectangle { rectangle: Rectangle, one_sided: bool },
+    Rectangle {
+        /// The rectangle.
+        rectangle: Rectangle,
+        /// Whether only the side of `u` × `v` emits.
+        one_sided: bool,
+    },
 }
 
+#[warn(missing_docs)]
 impl Source {
     /// Whether light arrives from more than one direction, so that sampling it takes random numbers.
     pub fn is_sampled(&self) -> bool {

@@ -12,46 +12,70 @@ use bevy_ecs::component::Component;
 
 /// A light over time.
 #[derive(Clone, Component, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub struct LightTracks {
+    /// Its shape and position.
     pub kind: LightKind,
+    /// The colour that `intensity` scales.
     pub color: Animated<Rgb>,
     /// At least 0. For its unit, see [`Light::radiance`](super::Light::radiance).
     pub intensity: Animated<f64>,
+    /// The keys that switch it.
     pub on: Switch,
 }
 
 /// A [`Source`] over time.
 #[derive(Clone, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub enum LightKind {
+    /// Light from one point, the same in all directions.
     Point {
+        /// The point.
         position: Animated<DVec3>,
+        /// What is left at a distance.
         attenuation: Attenuation,
     },
+    /// Light from one point into a cone.
     Spot {
+        /// The point.
         position: Animated<DVec3>,
+        /// A point on the axis of the cone.
         target: Animated<DVec3>,
         /// Full angles of the outer cone, which ends the light, and of the inner cone, which has full light.
         angle: Animated<Angle>,
+        /// The full angle of the cone of full light; that of the outer cone if absent.
         inner_angle: Option<Animated<Angle>>,
+        /// What is left at a distance.
         attenuation: Attenuation,
     },
+    /// Light from infinitely far away.
     Directional {
         /// The direction in which the light travels, of any length.
         direction: Animated<DVec3>,
     },
+    /// Every point of a sphere emits outwards.
     Sphere {
+        /// The centre of the sphere.
         center: Animated<DVec3>,
+        /// The radius of the sphere.
         radius: Animated<f64>,
     },
+    /// Every point of a rectangle emits.
     Rectangle {
+        /// A corner of the rectangle.
         corner: Animated<DVec3>,
+        /// One of the sides at the corner.
         u: Animated<DVec3>,
+        /// The other side at the corner.
         v: Animated<DVec3>,
+        /// Whether only the side of `u` × `v` emits.
         one_sided: bool,
     },
     /// A point, spot or directional light in the space of an object, which carries it.
     Carried {
+        /// The light in the space of the object.
         kind: Box<LightKind>,
+        /// What carries it.
         carrier: Carrier,
     },
 }
@@ -59,6 +83,7 @@ pub enum LightKind {
 /// Least radius of a sphere light. An easing may overshoot to a radius of 0 or less.
 const MIN_RADIUS: f64 = 1e-30;
 
+#[warn(missing_docs)]
 impl LightKind {
     /// Whether the light may move, turn or change its size over time.
     pub fn is_keyed(&self) -> bool {
@@ -77,6 +102,7 @@ impl LightKind {
         }
     }
 
+    /// The light at a time.
     pub fn at(&self, time: Time) -> Source {
         match self {
             Self::Point { position, attenuation } => {
@@ -127,6 +153,7 @@ fn half_cosine(angle: Angle) -> f64 {
     Angle(angle.0.clamp(0.0, 360.0) * 0.5).cos_sin().x
 }
 
+#[warn(missing_docs)]
 impl LightTracks {
     /// The keyed weight of this light. Lights with equal weights share a layer.
     pub fn group_weight(&self) -> GroupWeight {

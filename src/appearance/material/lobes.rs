@@ -8,6 +8,7 @@ pub const MIN_FUZZ: f32 = 0.0008;
 
 /// The strength of each lobe times its tint. A black lobe is absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct Lobes {
     /// Emitted radiance, for a layer weight of 1.
     pub emission: Rgb,
@@ -27,8 +28,11 @@ pub struct Lobes {
     pub refraction: Rgb,
     /// Strength of the metallic-roughness surface (the model of glTF 2.0), and its parameters, 0..=1.
     pub microfacet: f32,
+    /// The colour of the metallic-roughness surface.
     pub base: Rgb,
+    /// How metallic that surface is.
     pub metallic: f32,
+    /// How rough that surface is.
     pub roughness: f32,
 }
 
@@ -61,6 +65,7 @@ impl TextureSlot {
     }
 }
 
+#[warn(missing_docs)]
 impl Lobes {
     /// Multiplies a slot by a colour. Scalar slots use the mean of the colour's channels.
     pub fn tint(&mut self, slot: TextureSlot, color: Rgb) {

@@ -20,6 +20,7 @@ use std::ops::RangeInclusive;
 
 /// A material at one moment.
 #[derive(Clone, Component, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct Material {
     /// The lobes before textures multiply them.
     pub lobes: Lobes,
@@ -27,9 +28,13 @@ pub struct Material {
     pub textures: Vec<(Vec<TextureSlot>, Texture)>,
     /// The film layer of its emission.
     pub emission_layer: LayerId,
+    /// The formula of the highlight.
     pub highlight: Highlight,
+    /// The exponent of the highlight.
     pub shininess: Exponent,
+    /// The reflectance formula of the boundary, if it refracts.
     pub fresnel: Fresnel,
+    /// What is inside, if it refracts.
     pub medium: Medium,
     /// The depth of the texture of heights, or the factor of that of normals; 0 if there is neither.
     pub relief: ReliefStrength,
@@ -37,14 +42,21 @@ pub struct Material {
 
 /// The materials of an object, as indices into the scene's materials.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq, Content)]
+#[warn(missing_docs)]
 pub enum MaterialBinding {
     /// One material for the whole object.
     One(u32),
     /// The materials of a mesh file, in the order of their slots, from index `first` on. The material behind the last
     /// slot is for triangles without a slot.
-    Slots { first: u32, count: u32 },
+    Slots {
+        /// The index of the material of the first slot.
+        first: u32,
+        /// The number of slots.
+        count: u32,
+    },
 }
 
+#[warn(missing_docs)]
 impl MaterialBinding {
     /// All indices in use.
     pub fn indices(self) -> RangeInclusive<u32> {
@@ -66,6 +78,23 @@ pub struct Medium {
     pub priority: i32,
 }
 
+impl Default for Material {
+    /// A black surface.
+    fn default() -> Self {
+        Self {
+            lobes: Lobes::default(),
+            textures: Vec::new(),
+            emission_layer: LayerId::CONSTANT,
+            highlight: Highlight::default(),
+            shininess: Exponent::new(0.0),
+            fresnel: Fresnel::default(),
+            medium: Medium::EMPTY,
+            relief: ReliefStrength::default(),
+        }
+    }
+}
+
+#[warn(missing_docs)]
 impl Material {
     /// The lobes at a point of the surface.
     pub fn lobes_at(&self, context: &TextureEvalContext<'_>) -> Lobes {

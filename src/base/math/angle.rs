@@ -5,8 +5,10 @@ use crate::base::time::Fraction;
 
 /// An angle in degrees, the unit of files. In degrees, whole turns are integers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[warn(missing_docs)]
 pub struct Angle(pub f64);
 
+#[warn(missing_docs)]
 impl Angle {
     /// The angle as an exact remainder in 0..360 degrees.
     pub fn wrapped(self) -> Self {
@@ -14,10 +16,12 @@ impl Angle {
         Self(if rest < 0.0 { rest + 360.0 } else { rest })
     }
 
+    /// The angle in radians.
     pub fn radians(self) -> f64 {
         self.0 * (std::f64::consts::PI / 180.0)
     }
 
+    /// The angle of so many radians.
     pub fn from_radians(radians: f64) -> Self {
         Self(radians * (180.0 / std::f64::consts::PI))
     }

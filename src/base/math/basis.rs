@@ -5,12 +5,17 @@ use crate::base::digest::Content;
 
 /// A right-handed orthonormal frame with `right` × `up` = -`forward`: a camera looks along its own -z.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct Basis {
+    /// To the right of the picture.
     pub right: DVec3,
+    /// To the top of the picture.
     pub up: DVec3,
+    /// Along the line of sight.
     pub forward: DVec3,
 }
 
+#[warn(missing_docs)]
 impl Basis {
     /// Along the axes: the frame of a camera that looks along -z.
     pub const AXES: Self = Self { right: DVec3::X, up: DVec3::Y, forward: DVec3::NEG_Z };
@@ -29,6 +34,7 @@ impl Basis {
 ///
 /// `up` counts even if it is nearly parallel to the line of sight. If it is exactly parallel, or zero, `right` is +x
 /// made perpendicular, or +y when the line of sight is the x axis.
+#[warn(missing_docs)]
 pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Option<Basis> {
     let forward = unit(target - eye)?;
     let right = unit(up).and_then(|up| {

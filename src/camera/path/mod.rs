@@ -33,20 +33,28 @@ use bevy_ecs::component::Component;
 
 /// Everything about one camera over time.
 #[derive(Clone, Component, Debug, PartialEq)]
+#[warn(missing_docs)]
 pub struct CameraPath {
+    /// Where the camera is, before the steps of the path.
     pub position: Animated<DVec3>,
+    /// The point at which it looks.
     pub target: Animated<DVec3>,
+    /// The direction that is up in the picture.
     pub up: Animated<DVec3>,
+    /// Turns the picture about the line of sight.
     pub roll: Animated<Angle>,
+    /// The projection.
     pub lens: Lens,
     /// Diameter of the lens in world units; 0 is a pinhole.
     pub aperture: Animated<f64>,
+    /// What is in focus, if the lens is open.
     pub focus: Focus,
     /// How long the shutter is open, as a share of the time between two frames.
     pub shutter: Animated<f64>,
     /// What fills the picture, if the camera is fitted to something. Then `position` and `target` give only the
     /// direction from which the camera looks.
     pub frame: Option<Frame>,
+    /// Steps that move it, in their order.
     pub path: Vec<Step>,
 }
 
@@ -130,6 +138,7 @@ impl Step {
     }
 }
 
+#[warn(missing_docs)]
 impl CameraPath {
     /// The pose before the path.
     fn start(&self, clock: &Clock) -> Pose {

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 /// Why a text is not an output. The message is one line and says what would be right.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[warn(missing_docs)]
 pub struct OutputError {
     pub(super) text: PathBuf,
     pub(super) cause: Cause,

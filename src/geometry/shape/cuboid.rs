@@ -7,8 +7,11 @@ use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, gamma, next_away};
 
 /// The surface of the axis-aligned box from `min` to `max`. Each side is longer than 0.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct Cuboid {
+    /// The corner of the smallest coordinates.
     pub min: DVec3,
+    /// The corner of the largest coordinates.
     pub max: DVec3,
 }
 

@@ -7,6 +7,7 @@ use std::sync::Arc;
 const TRIANGLE: u64 = 128;
 const PARTICLE: u64 = 256;
 
+#[warn(missing_docs)]
 impl Shape {
     /// Bytes of data that this shape holds and `other` does not: copies of a shape share the data of their mesh or their
     /// particles.

@@ -76,8 +76,9 @@ macro_rules! shapes {
     ($($shape:ident),* $(,)?) => {
         /// Any shape.
         #[derive(Clone, Component, Debug, PartialEq, Content)]
+        #[warn(missing_docs)]
         pub enum Shape {
-            $($shape($shape),)*
+            $(#[doc = concat!("The shape `", stringify!($shape), "`.")] $shape($shape),)*
             /// Invisible: a frame of reference for the objects that name it as their parent.
             Group,
         }
@@ -91,6 +92,7 @@ macro_rules! shapes {
             };
         }
 
+        #[warn(missing_docs)]
         impl Shape {
             /// The names of shapes in files.
             pub const NAMES: &[&str] = &[$($shape::NAME,)* "Group"];
@@ -139,6 +141,7 @@ impl OneRay for Shape {
     }
 }
 
+#[warn(missing_docs)]
 impl Shape {
     /// See [`Geometric::intersect`].
     #[inline(always)]

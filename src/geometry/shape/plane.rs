@@ -7,8 +7,11 @@ use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
 
 /// The infinite plane through `point`, perpendicular to the unit vector `normal`.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct Plane {
+    /// A point of the plane.
     pub point: DVec3,
+    /// The unit normal.
     pub normal: DVec3,
 }
 

@@ -10,9 +10,13 @@ use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay};
 
 /// The parallelogram `corner` + a·`u` + b·`v` for a and b in 0..=1. `u` and `v` are not parallel.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct Rectangle {
+    /// A corner.
     pub corner: DVec3,
+    /// One of the sides at the corner.
     pub u: DVec3,
+    /// The other side at the corner.
     pub v: DVec3,
 }
 
@@ -86,7 +90,9 @@ impl Geometric for Rectangle {
     }
 }
 
+#[warn(missing_docs)]
 impl Rectangle {
+    /// The unit normal, in the direction of `u` × `v`.
     pub fn normal(&self) -> DVec3 {
         self.u.cross(self.v).normalize_or(DVec3::Y)
     }

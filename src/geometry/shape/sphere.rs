@@ -14,11 +14,15 @@ const SEAM: f64 = 0.5;
 
 /// All points at distance `radius` (above 0) from `center`.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
+#[warn(missing_docs)]
 pub struct Sphere {
+    /// The centre.
     pub center: DVec3,
+    /// The distance of the surface from the centre.
     pub radius: f64,
 }
 
+#[warn(missing_docs)]
 impl Sphere {
     /// The point and the normal at texture coordinates: the inverse of [`Geometric::uv`].
     pub fn at_uv(&self, uv: DVec2) -> (DVec3, DVec3) {

@@ -31,18 +31,26 @@ impl MemoryUse {
 
 /// Why a run stopped.
 #[derive(Debug)]
+#[warn(missing_docs)]
 pub enum RenderError {
+    /// A file could not be written.
     Encode(EncodeError),
     /// Bytes needed and bytes available.
     TooLarge {
+        /// What needs the memory.
         what: MemoryUse,
+        /// The bytes that it needs.
         needed: u64,
+        /// The bytes that there are.
         available: u64,
     },
     /// A signal arrived after `done` frames; `files` were written.
     Stopped {
+        /// The number of the signal.
         signal: usize,
+        /// The number of finished frames.
         done: usize,
+        /// Files that were written.
         files: Vec<PathBuf>,
         /// Frames that were not rendered.
         rest: Vec<u32>,
@@ -53,12 +61,16 @@ pub enum RenderError {
     Threads(String),
     /// A mesh of a frame cannot be loaded.
     Mesh {
+        /// The number of the frame.
         frame: u32,
+        /// What is wrong with the mesh.
         why: StepError,
     },
     /// A frame has no camera.
     Camera {
+        /// The number of the frame.
         frame: u32,
+        /// Why it has no camera.
         why: NoCamera,
     },
 }

@@ -51,6 +51,7 @@ impl FilmSink for Encoder {
 }
 
 /// Renders the requested frames. Another thread may watch `meter` meanwhile.
+#[warn(missing_docs)]
 pub fn render(
     sequence: &Sequence,
     request: &Request,

@@ -9,21 +9,26 @@ use std::time::Duration;
 
 /// Frames to render, and the files to write.
 #[derive(Clone, Debug)]
+#[warn(missing_docs)]
 pub struct Request {
     /// Frame numbers in the order of rendering and playback.
     pub frames: Vec<u32>,
+    /// The files to write.
     pub outputs: Vec<Output>,
     /// Whether outputs must stay within the working directory after links are followed. This holds for outputs that a
     /// sequence names, because sequences may come from others.
     pub confined: bool,
+    /// What happens to files of an earlier run.
     pub existing: Existing,
     /// Number of tracing threads. If absent, one for each processor of the machine.
     pub threads: Option<NonZeroUsize>,
+    /// Memory for films that frames share.
     pub reuse: Reuse,
     /// The time limit that determined the number of samples, if any. It is written into metadata.
     pub time_limit: Option<Duration>,
 }
 
+#[warn(missing_docs)]
 impl Request {
     /// All frames of a sequence into these outputs, on all processors. Frames that exist and are current are kept.
     pub fn new(sequence: &Sequence, outputs: Vec<Output>) -> Self {
@@ -45,15 +50,18 @@ impl Request {
 
 /// Memory limit of the film cache. It never changes a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[warn(missing_docs)]
 pub enum Reuse {
     /// Each frame is traced separately.
     Off,
     /// A share of the free memory.
     #[default]
     Share,
+    /// At most this number of bytes.
     Within(u64),
 }
 
+#[warn(missing_docs)]
 impl Reuse {
     /// The limit in bytes for films of this sequence.
     pub fn budget(self, sequence: &Sequence, aovs: AovSet) -> u64 {

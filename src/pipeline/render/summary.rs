@@ -10,15 +10,19 @@ use std::time::Duration;
 
 /// Results of a run.
 #[derive(Clone, Debug, Default)]
+#[warn(missing_docs)]
 pub struct Summary {
+    /// Requested frames.
     pub frames: u32,
     /// Frames that existed, were valid, and were kept.
     pub kept: u32,
     /// Frames that reused the film of another frame.
     pub reused: u32,
+    /// Rays and other work.
     pub counts: Counts,
     /// Number of times that the top-level tree was built, and that it was refitted instead.
     pub bvh_builds: u64,
+    /// Number of times that the top-level tree was refitted.
     pub bvh_refits: u64,
     /// The forecast, if there was a plan.
     pub expected: Option<Forecast>,
@@ -28,6 +32,7 @@ pub struct Summary {
     pub cpu: Option<f64>,
     /// Wall time of each stage, in order. Encoding runs in parallel with the others.
     pub stages: Vec<(&'static str, Duration)>,
+    /// Wall time of the whole run.
     pub elapsed: Duration,
     /// Written files: a pattern or a file for each output.
     pub files: Vec<PathBuf>,

@@ -29,6 +29,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use std::time::Instant;
 
 /// A sequence's world, and the systems that render its frames.
+#[warn(missing_docs)]
 pub struct FrameLoop<S> {
     pub(super) world: World,
     schedule: Schedule,
@@ -43,6 +44,7 @@ pub struct FrameLoop<S> {
     sink: PhantomData<S>,
 }
 
+#[warn(missing_docs)]
 impl<S: FilmSink> FrameLoop<S> {
     /// Films go to `sink` in the order of the calls.
     pub fn new(sequence: &Sequence, sink: S, meter: Arc<ProgressMeter>) -> Self {

@@ -71,6 +71,7 @@ pub fn weights_of(state: &FrameState, lit: &[LayerId]) -> Weights {
     weights
 }
 
+#[warn(missing_docs)]
 impl<S: FilmSink> FrameLoop<S> {
     /// Traces films of these frames together, with the layers `lit`: as many from the first on as can share paths within
     /// `budget` bytes for copies of their scenes. The frames must have the same

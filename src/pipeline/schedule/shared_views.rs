@@ -13,6 +13,7 @@ use crate::world::Current;
 use std::sync::Arc;
 use std::time::Instant;
 
+#[warn(missing_docs)]
 impl<S: FilmSink> FrameLoop<S> {
     /// Traces films of these frames together, with the layers `lit`. The frames must share samples of the same views.
     /// Returns all films, or none if the run is stopped.

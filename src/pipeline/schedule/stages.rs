@@ -62,6 +62,7 @@ pub trait FilmSink: Send + Sync + 'static {
 
 /// A sink that keeps films in memory.
 #[derive(Debug, Default)]
+#[warn(missing_docs)]
 pub struct FilmCollector(pub Vec<Film>);
 
 impl FilmSink for FilmCollector {
@@ -73,16 +74,23 @@ impl FilmSink for FilmCollector {
 
 /// Why a frame could not be rendered.
 #[derive(Debug)]
+#[warn(missing_docs)]
 pub enum FrameError {
+    /// The frame has no camera.
     Camera {
+        /// The number of the frame.
         frame: u32,
+        /// Why it has no camera.
         why: NoCamera,
     },
     /// A mesh cannot be loaded.
     Mesh {
+        /// The number of the frame.
         frame: u32,
+        /// What is wrong with the mesh.
         why: StepError,
     },
+    /// The sink refused the film.
     Encode(EncodeError),
 }
 

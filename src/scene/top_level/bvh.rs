@@ -8,6 +8,7 @@ use crate::scene::{Geometry, Primitive};
 
 /// A tree over the bounded primitives, with lists of those that are tested without it.
 #[derive(Clone, Debug, Default)]
+#[warn(missing_docs)]
 pub struct Bvh {
     pub(super) tree: Tree,
     /// The indices of the primitives in each leaf.
@@ -83,6 +84,7 @@ const WORST_GROWTH: f64 = 1.5;
 /// as three refits of all primitives, so this adds a fifth.
 const MOST_CHANGES: u64 = 16;
 
+#[warn(missing_docs)]
 impl Bvh {
     /// Builds the tree over `geometry`. The same geometry gives the same tree.
     pub fn build(geometry: &Geometry) -> Self {

@@ -25,6 +25,7 @@ pub struct Stacks {
     bundle: BundleStack,
 }
 
+#[warn(missing_docs)]
 impl Bvh {
     /// The closest primitives along the rays in the lanes of a mask, within bounds.
     #[inline(always)]

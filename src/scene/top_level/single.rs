@@ -8,6 +8,7 @@ use crate::geometry::bvh::{LeafVisitor, Slabs, Stack, TraversalRay};
 use crate::geometry::shape::{CoincidenceRange, PreparedRay, RayInterval};
 use crate::scene::{Geometry, Hit};
 
+#[warn(missing_docs)]
 impl Bvh {
     /// The closest hit along a ray. Among equally near ones, the first primitive in the file wins.
     pub fn intersect_one(&self, geometry: &Geometry, ray: &TraversalRay) -> Option<Hit> {
