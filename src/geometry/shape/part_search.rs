@@ -78,7 +78,7 @@ pub fn nearest_part(
     search.kept.hit
 }
 
-/// [`nearest_part`] within a kernel that already runs on a level, with the caller's stack if it has one.
+/// `nearest_part` within a kernel that already runs on a level, with the caller's stack if it has one.
 #[inline(always)]
 pub fn nearest_part_on<L: Level>(
     shape: &impl PartedShape,
@@ -98,7 +98,7 @@ pub fn any_part(shape: &impl PartedShape, ray: &TraversalRay, within: RayInterva
     search.kept.found
 }
 
-/// [`any_part`] within a kernel that already runs on a level, with the caller's stack if it has one.
+/// `any_part` within a kernel that already runs on a level, with the caller's stack if it has one.
 #[inline(always)]
 pub fn any_part_on<L: Level>(
     shape: &impl PartedShape,

@@ -3,7 +3,7 @@
 //! The reader checks the whole file: every index, size and number. What comes out has no reference that leads nowhere.
 //! What Kinora has no counterpart for is named in [`GltfScene::left_out`].
 //!
-//! Source: Khronos, *glTF 2.0 Specification*, version 2.0.1, and the extensions that [`features`] lists.
+//! Source: Khronos, *glTF 2.0 Specification*, version 2.0.1, and the extensions that `features` lists.
 
 mod accessor;
 mod animation;
