@@ -37,6 +37,7 @@ mod preview;
 mod progress;
 mod renamed_options;
 mod render;
+mod schema;
 mod sequence_file;
 mod settings;
 mod shell;
@@ -79,6 +80,7 @@ enum Command {
     Explain(explain::Arguments),
     Fmt(fmt::Arguments),
     Convert(convert::Arguments),
+    Schema(schema::Arguments),
     Export(export::Arguments),
     Plan(plan::Arguments),
     #[cfg(feature = "accuracy")]
@@ -104,6 +106,7 @@ Examples:
   kinora fmt sequences/hello.ron                     lay the file out regularly; comments stay
   kinora expand sequences/hello.ron                  print what values, templates and includes come to
   kinora convert sequences/hello.ron -o hello.json   write the sequence as JSON
+  kinora schema -o kinora.schema.json                write a schema for editors of JSON sequences
   kinora export sequences/hello.ron -o hello.glb     write the scene and its animation as glTF
   kinora plan sequences/light-show.ron               predict the time, the error and the rays
   kinora accuracy sequences/room.ron --quick         measure what accuracy costs in time
@@ -152,6 +155,7 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Fmt(arguments) => fmt::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
+        Command::Schema(arguments) => schema::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         #[cfg(feature = "accuracy")]

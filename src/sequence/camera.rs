@@ -131,7 +131,7 @@ fn focus(node: Node<'_>, objects: Option<&ObjectNames<'_>>) -> Option<Focus> {
             None => Some(Focus::Target),
         };
     }
-    if node.opens_with('[') || node.word() == "Track" || is_number(node) {
+    if node.opens_with('[') || node.begins_with("Track") || is_number(node) {
         return keyed(positive)(node).map(Focus::Distance);
     }
     let fault = node.mismatch("a distance above 0, or an object's name in quotes");

@@ -18,10 +18,12 @@ pub fn color_or<'s, T: From<Animated<Rgb>>>(
     table: &Variants<'s, T>,
 ) -> Option<T> {
     let node = node.as_word();
-    if matches!(node.word(), "" | "Srgb" | "Linear8" | "Track") || is_literal(node.word()) {
+    let known = table.iter().map(|(word, _)| *word);
+    node.ask_words(what, known.clone());
+    let is_color = ["Srgb", "Linear8", "Track"].into_iter().any(|word| node.begins_with(word));
+    if is_color || node.word().is_empty() || is_literal(node.word()) {
         return keyed(color)(node).map(T::from);
     }
-    let known = table.iter().map(|(word, _)| *word);
     if known.clone().any(|word| word == node.word()) {
         return variant(node, what, table);
     }
@@ -32,9 +34,13 @@ pub fn color_or<'s, T: From<Animated<Rgb>>>(
 
 /// A linear colour without negative components.
 pub fn color(node: Node<'_>) -> Option<Rgb> {
+    if node.begins_with("Srgb") {
+        return codes(node, "Srgb(r, g, b) with three numbers from 0 to 255", srgb_to_linear);
+    }
+    if node.begins_with("Linear8") {
+        return codes(node, "Linear8(r, g, b) with three numbers from 0 to 255", |shown| shown);
+    }
     match node.word() {
-        "Srgb" => codes(node, "Srgb(r, g, b) with three numbers from 0 to 255", srgb_to_linear),
-        "Linear8" => codes(node, "Linear8(r, g, b) with three numbers from 0 to 255", |shown| shown),
         "" if node.is_text() => hex(node),
         "" if node.opens_with('(') => {
             let parts = each(tuple(node, "a colour (red, green, blue)")?, not_negative)?;

@@ -79,6 +79,7 @@ fn source(fields: &mut Fields<'_>) -> Option<DataSource> {
             let key = |name| ArrayKey { name, centering: None, component: Component::Whole };
             return text(node).map(key).map(DataSource::Array);
         }
+        node.ask_words("coordinate", AXES.iter().map(|(axis, _)| axis));
         let Some(name) = node.bare_word().filter(|name| !AXES.iter().any(|(axis, _)| axis == name)) else {
             return word(node, "coordinate", AXES).map(DataSource::Coordinate);
         };
@@ -119,6 +120,7 @@ fn component(node: Node<'_>) -> Option<Component> {
 
 /// The ends of the range; `Some(None)` for `Auto`.
 fn range(node: Node<'_>, scale: DataScale) -> Option<Option<[f64; 2]>> {
+    node.ask_words("range", ["Auto"]);
     if !node.word().is_empty() {
         return word(node, "range", &[("Auto", None)]);
     }

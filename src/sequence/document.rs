@@ -22,10 +22,10 @@ use super::scene::UniqueNames;
 use super::syntax::EXAMPLE;
 use super::timeline::{still, timeline};
 use super::transform_limits::report_out_of_range;
-use super::values::up_axis;
+use super::values::{text, up_axis};
 use super::version;
 use super::words::report_word;
-use super::{Named, Object, Sequence};
+use super::{Named, Object, Sequence, json};
 use crate::appearance::light::LightTracks;
 use crate::base::color::Rgb;
 use crate::base::math::UpAxis;
@@ -46,7 +46,7 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let mut fields = Fields::of(root, "the sequence")?;
     fields.optional(version::FIELD, version::version);
     // They are used up before.
-    OWN_FIELDS.into_iter().for_each(|name| fields.ignore(name));
+    OWN_FIELDS.into_iter().for_each(|name| fields.used_up(name));
     // First, because they set the axes of vectors and the unit of key times.
     let up = fields.or("up", up_axis, UpAxis::Y);
     root.file.up.set(up.unwrap_or_default());
@@ -81,6 +81,10 @@ pub fn sequence(root: Node<'_>, name: &str) -> Option<Sequence> {
     let parts = scene.as_ref().map(|scene| (scene.objects.as_slice(), scene.materials.as_slice()));
     let names = SceneNames::new(parts, timeline);
     let annotations = fields.or("annotations", |node| annotations(node, &names), Vec::new());
+    if root.file.is_json {
+        // Editors look there; what it holds changes nothing.
+        fields.optional(json::SCHEMA, text);
+    }
     fields.finish();
     if let (Some(timeline), Some(Cameras { list, active, places })) = (&timeline, &cameras) {
         let steps = quality.unwrap_or_default().shutter_steps;

@@ -11,10 +11,11 @@ const ALL: &str = "easings are Linear, Smooth, Smoother, Step, CatmullRom, Ease,
 
 /// Any easing.
 pub fn ease(node: Node<'_>) -> Option<Ease> {
-    if node.word() == "Bezier" {
+    if node.begins_with("Bezier") {
         return bezier(node);
     }
     let node = node.as_word();
+    node.ask_words("easing", Ease::names());
     let Some(name) = node.bare_word().filter(|word| !matches!(*word, "true" | "false")) else {
         let quoted = node.is_text() && Ease::named(node.text().trim_matches('"')).is_some();
         let help = if quoted { "write it without quotes" } else { ALL };

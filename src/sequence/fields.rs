@@ -2,6 +2,7 @@
 
 use super::fault::Fault;
 use super::node::{Node, NodeContent};
+use super::schema::Ask;
 use super::suggest::{listed, shortened};
 use super::words::{is_literal, suggestion};
 use std::borrow::Cow;
@@ -20,6 +21,8 @@ pub struct Fields<'s> {
     /// Former names of known fields, each with the name of today. They are accepted, but not listed in messages.
     former: Vec<(&'static str, &'static str)>,
     named_in_faults: bool,
+    /// Whether the value stands for its only field, so that the schema learns about no others.
+    stands_for_one: bool,
 }
 
 impl<'s> Fields<'s> {
@@ -43,8 +46,17 @@ impl<'s> Fields<'s> {
         if fields.len() > FEW || !fields.iter().enumerate().all(differ) {
             report_duplicates(node, fields.iter().map(|(name, _)| (*name, *name)), "field");
         }
+        node.ask(|| Ask::Fields { what: what.to_string() });
         let entries = fields.into_iter().map(|(name, value)| (name, Some(value))).collect();
-        Some(Self { node, what, entries, known: Vec::new(), former: Vec::new(), named_in_faults: true })
+        Some(Self {
+            node,
+            what,
+            entries,
+            known: Vec::new(),
+            former: Vec::new(),
+            named_in_faults: true,
+            stands_for_one: false,
+        })
     }
 
     /// [`Fields::of`] for values that may also be a single value in parentheses. That value is the field `only`, whose
@@ -54,6 +66,7 @@ impl<'s> Fields<'s> {
         what: impl Into<Cow<'static, str>>,
         only: &'static str,
     ) -> Option<Self> {
+        node.ask(|| Ask::Tuple { what: String::new(), count: 1 });
         if let NodeContent::Tuple(items) = node.content()?
             && let [item] = items[..]
         {
@@ -71,6 +84,7 @@ impl<'s> Fields<'s> {
             known: Vec::new(),
             former: Vec::new(),
             named_in_faults: true,
+            stands_for_one: true,
         }
     }
 
@@ -82,7 +96,19 @@ impl<'s> Fields<'s> {
 
     /// Whether the field exists.
     pub fn has(&self, name: &str) -> bool {
+        self.ask(|| Ask::Sibling(name.to_owned()));
+        self.is_given(name)
+    }
+
+    /// [`Fields::has`] for a field that the schema need not know.
+    pub fn is_given(&self, name: &str) -> bool {
         self.entries.iter().any(|(found, _)| *found == name)
+    }
+
+    fn ask(&self, ask: impl FnOnce() -> Ask) {
+        if !self.stands_for_one {
+            self.node.ask(ask);
+        }
     }
 
     /// The place of a field's name, or of the whole value if the field is absent.
@@ -97,6 +123,12 @@ impl<'s> Fields<'s> {
 
     /// Accepts a field without reading it, because its owner has a fault already.
     pub fn ignore(&mut self, name: &'static str) {
+        self.ask(|| Ask::Field(name));
+        self.known.push(name);
+    }
+
+    /// Accepts a field that only RON has, and that is used up before anything is decoded.
+    pub fn used_up(&mut self, name: &'static str) {
         self.known.push(name);
     }
 
@@ -106,6 +138,7 @@ impl<'s> Fields<'s> {
     }
 
     fn take(&mut self, name: &'static str) -> Option<Node<'s>> {
+        self.ask(|| Ask::Field(name));
         self.known.push(name);
         self.entries.iter_mut().find(|(found, _)| *found == name).and_then(|(_, value)| value.take())
     }
@@ -134,11 +167,12 @@ impl<'s> Fields<'s> {
         decode: impl FnOnce(Node<'s>) -> Option<T>,
     ) -> Option<Option<T>> {
         self.former.push((former, name));
-        if !self.has(former) {
+        self.ask(|| Ask::Former(former));
+        if !self.is_given(former) {
             return self.optional(name, decode);
         }
         self.known.push(name);
-        if self.has(name) {
+        if self.is_given(name) {
             let title = format!("`{former}` is the former name of `{name}`");
             let fault = Fault::new(self.place(former), title, "remove this");
             self.node.fault(fault.also(self.place(name), "the same field is given here"));
@@ -169,6 +203,7 @@ impl<'s> Fields<'s> {
         name: &'static str,
         decode: impl FnOnce(Node<'s>) -> Option<T>,
     ) -> Option<T> {
+        self.ask(|| Ask::Required(name));
         let value = self.optional(name, decode)?;
         if value.is_none() {
             let title = format!("{} has no `{name}`", self.what);
@@ -179,6 +214,7 @@ impl<'s> Fields<'s> {
 
     /// Reports every unknown field.
     pub fn finish(self) {
+        self.ask(|| Ask::NoOthers);
         let accepted =
             |name: &str| self.known.contains(&name) || self.former.iter().any(|(old, _)| *old == name);
         for (name, _) in self.entries.iter().filter(|(name, _)| !accepted(name)) {

@@ -2,6 +2,7 @@
 
 use super::fields::Fields;
 use super::node::Node;
+use super::schema::Ask;
 use super::values::{list, switch, text, whole};
 use super::words::word;
 use crate::base::units::parse_bytes;
@@ -9,6 +10,7 @@ use crate::encode::{
     ExrLayers, ExrSettings, Formats, GifSettings, JpegSettings, LoopCount, Mp4Settings, PngSettings,
     PpmSettings, Y4mSettings,
 };
+use serde_json::json;
 
 /// Decodes the settings of all formats.
 pub fn formats(fields: &mut Fields<'_>) -> Option<Formats> {
@@ -45,6 +47,7 @@ fn png(node: Node<'_>) -> Option<PngSettings> {
 
 /// Decodes 8 or 16. Returns true for 16.
 fn bits(node: Node<'_>) -> Option<bool> {
+    node.ask(|| Ask::plain(&json!({"enum": [8, 16]})));
     match node.text() {
         "8" => Some(false),
         "16" => Some(true),

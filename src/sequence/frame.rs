@@ -46,6 +46,7 @@ pub fn frame(
 fn framed(node: Node<'_>, objects: Option<&ObjectNames<'_>>) -> Option<Framed> {
     // The faults of the objects are already reported.
     let index = |node: Node<'_>| objects.map_or(Some(0), |objects| objects.names.index(node));
+    node.ask_words("choice of objects", ["All"]);
     match node.content()? {
         NodeContent::List(_) if node.word().is_empty() => list(node, "names", index).map(Framed::Listed),
         _ if node.is_text() => index(node).map(|index| Framed::Listed(vec![index])),

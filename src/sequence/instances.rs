@@ -3,7 +3,7 @@
 use super::fault::Fault;
 use super::fields::Fields;
 use super::node::Node;
-use super::pose_columns::{ColumnName, PoseColumns, column, columns};
+use super::pose_columns::{ColumnName, PoseColumns, column, columns, given_columns};
 use super::pose_tracks::{Placement, PoseFault, at_row, placements, values};
 use super::poses::table;
 use super::shape::{ShapeOverTime, shape};
@@ -45,13 +45,10 @@ pub fn instances(node: Node<'_>) -> Option<Instances> {
     });
     let id = fields.optional("id", column);
     let scale = fields.optional("scale", scale);
-    let Some(table) = table else {
-        ["time", "position", "rotation"].into_iter().for_each(|name| fields.ignore(name));
-        fields.finish();
-        return None;
-    };
-    let poses = columns(&mut fields, &table, &place);
+    let given = given_columns(&mut fields);
+    let poses = table.as_ref().and_then(|table| columns(given, &fields, table, &place));
     fields.finish();
+    let table = table?;
     let (id, poses) = (id?, poses?);
     let usual = |name: &str| ColumnName { name: name.to_owned(), place: place.clone() };
     let known = |name: &str| table.has(name).then(|| usual(name));

@@ -18,6 +18,9 @@ use serde::de::IgnoredAny;
 use std::borrow::Cow;
 use std::path::Path;
 
+/// The field of a document that says where its schema is.
+pub const SCHEMA: &str = "$schema";
+
 /// Whether a file is in JSON: its name ends with `.json`.
 pub fn is_json(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))

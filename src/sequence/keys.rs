@@ -6,6 +6,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::key_clock::KeyClock;
 use super::node::{Form, Node, NodeContent};
+use super::schema::{Ask, KEY};
 use super::values::{exact_or_rounded, switch};
 use super::words::word;
 use crate::base::time::Time;
@@ -28,7 +29,7 @@ fn animated<'s, T: Animate>(node: Node<'s>, value: &impl Fn(Node<'s>) -> Option<
         let keys = read_keys(node, value, default_ease::<T>())?;
         return track(node, keys, Repeat::Hold, false);
     }
-    if node.word() != "Track" {
+    if !node.begins_with("Track") {
         return value(node).map(Animated::Constant);
     }
     let mut fields = Fields::of(node, "`Track`")?.unnamed();
@@ -71,6 +72,7 @@ fn read_keys<'s, T: Animate>(
     ease: Ease,
 ) -> Option<KeyList<'s, T>> {
     node.note_form(Form::List);
+    node.ask(|| Ask::Keys);
     let items = match node.content()? {
         NodeContent::List(items) if node.word().is_empty() => items,
         NodeContent::Tuple(items) if node.file.is_json && node.word().is_empty() => items,
@@ -120,6 +122,11 @@ fn read_key<'s, T: Animate>(
         return Some(ReadKey { time, value, ease });
     }
     if let NodeContent::Tuple(items) = content {
+        let count = items.len();
+        match items[..] {
+            [_, _] | [_, _, _] => node.ask(|| Ask::Tuple { what: KEY.to_owned(), count }),
+            _ => {}
+        }
         match items[..] {
             [t, v] => return Some(ReadKey { time: timed(t), value: valued(v), ease: Some(default) }),
             [t, v, ease] => {

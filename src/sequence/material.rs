@@ -118,7 +118,7 @@ fn looks_like_paint(node: Node<'_>) -> bool {
 
 /// Decodes a number of 0..=1 with or without keys, or paint.
 fn level(node: Node<'_>) -> Option<ScalarTextureTracks> {
-    let keys = node.opens_with('[') || node.word() == "Track";
+    let keys = node.opens_with('[') || node.begins_with("Track");
     if keys || is_number(node) {
         return keyed(between(0.0..=1.0))(node).map(ScalarTextureTracks::Constant);
     }

@@ -118,7 +118,7 @@ pub const KINDS: &[(&str, Shading)] = &[
 
 /// One of these kinds, or `Crease(angle: 40)`.
 pub fn shading(node: Node<'_>, kinds: &[(&'static str, Shading)]) -> Option<Shading> {
-    if node.word() != "Crease" {
+    if !node.begins_with("Crease") {
         return word(node, "kind of normals", kinds);
     }
     let mut fields = Fields::of(node, "`Crease`")?;

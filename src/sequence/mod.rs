@@ -71,6 +71,7 @@ pub mod quality;
 mod quality_fields;
 mod scene;
 mod scene_files;
+mod schema;
 mod transform_limits;
 mod shape;
 mod shape_tracks;
@@ -96,6 +97,7 @@ pub use load::{LoadError, expanded, load, load_text, load_watched, parse};
 pub use motion::UnknownObject;
 pub use quality_fields::ERRORS;
 pub use scene::LightUnit;
+pub use schema::schema;
 pub use shape_tracks::ShapeTracks;
 #[cfg(feature = "cli")]
 pub(crate) use suggest::{listed, nearest};

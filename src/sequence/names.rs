@@ -3,6 +3,7 @@
 use super::Named;
 use super::fault::Fault;
 use super::node::{Form, Node};
+use super::schema::Ask;
 use super::suggest::shortened;
 use super::values::text;
 use super::words::report_unknown;
@@ -19,6 +20,7 @@ pub struct Entry<'s> {
 /// Decodes `{ "name": value, ... }`. `what` names the entries in messages, such as "light".
 pub fn entries<'s>(node: Node<'s>, what: &str) -> Option<Vec<Entry<'s>>> {
     node.note_form(Form::Map);
+    node.ask(|| Ask::Map { what: what.to_owned() });
     let Some(map) = node.map() else {
         node.expected(format!("{what}s with their names, written {{ \"name\": ... }}"));
         return None;

@@ -14,6 +14,7 @@ use super::mesh_files::MeshFiles;
 use super::outline;
 use super::raw_value::{ContentVisitor, MapVisitor, RawContent};
 use super::scene_files::SceneFiles;
+use super::schema::{Ask, Watch};
 use super::suggest::shortened;
 use super::table_files::TableFiles;
 use super::text_shape::TextMeshes;
@@ -60,6 +61,8 @@ pub struct File<'s> {
     rewritten: RefCell<Vec<(Range<usize>, String)>>,
     /// What decoders took values for, by their first bytes, where the other notation must know.
     forms: RefCell<HashMap<usize, Form>>,
+    /// Set while the schema is made.
+    pub watch: Option<Watch>,
 }
 
 /// A form of a value that JSON or RON writes like another one. A later one of these is surer than an earlier one.
@@ -109,6 +112,7 @@ impl<'s> File<'s> {
             written: None,
             rewritten: RefCell::default(),
             forms: RefCell::default(),
+            watch: None,
         }
     }
 
@@ -319,6 +323,29 @@ impl<'s> Node<'s> {
         if self.file.is_json {
             self.file.note_form(self.span().start, form);
         }
+    }
+
+    /// Notes what a decoder accepts here, for the schema. Whoever looks at a value itself instead of calling the decoders
+    /// of `values`, `words`, `fields`, `names` and `keys` must say so.
+    pub fn ask(&self, ask: impl FnOnce() -> Ask) {
+        if let Some(watch) = &self.file.watch {
+            watch.note(self.span().start, ask);
+        }
+    }
+
+    /// Notes that a decoder accepts these words, alone or in front of brackets.
+    pub fn ask_words<W: AsRef<str>>(&self, what: &str, words: impl IntoIterator<Item = W>) {
+        if self.file.watch.is_some() {
+            for word in words {
+                self.ask(|| Ask::Word { what: what.to_owned(), word: word.as_ref().to_owned() });
+            }
+        }
+    }
+
+    /// Whether the value begins with a word that the decoder accepts.
+    pub fn begins_with(&self, word: &str) -> bool {
+        self.ask_words("", [word]);
+        self.word == word
     }
 
     /// The entries of a map.

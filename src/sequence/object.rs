@@ -92,7 +92,7 @@ pub fn object(
         return (None, None);
     }
     let Some(mut fields) = Fields::of(node, "an object") else { return (None, None) };
-    if fields.has(TEMPLATE) {
+    if fields.is_given(TEMPLATE) {
         report_misplaced(node, fields.place(TEMPLATE), TEMPLATE);
         return (None, None);
     }
@@ -134,9 +134,9 @@ pub fn object(
     let shadows = fields.or("casts_shadow", keyed(switch), true);
     let seen = fields.or("seen_by", seen_by, [true.into(), true.into()]);
     // These names are known for suggestions.
-    fields.ignore(TEMPLATE);
-    fields.ignore(WITH);
-    if fields.has(WITH) {
+    fields.used_up(TEMPLATE);
+    fields.used_up(WITH);
+    if fields.is_given(WITH) {
         let title = "`with` gives values to the parameters of a `template`";
         node.fault(Fault::new(fields.place(WITH), title, "this object has no `template`"));
     }

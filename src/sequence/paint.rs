@@ -8,7 +8,7 @@ use super::keys::keyed;
 use super::node::{Node, NodeContent};
 use super::suggest::shortened;
 use super::transform::turn;
-use super::values::{each, not_negative, number, one_of, switch, unit_vector, vector, whole};
+use super::values::{each, not_negative, number, one_of, switch, tuple, unit_vector, vector, whole};
 use super::words::Variants;
 use crate::appearance::texture::{
     ColorChannel, ColorEncoding, Image, ImageTextureTracks, Pattern, PatternTextureTracks, SharedAsset,
@@ -176,7 +176,7 @@ const SMALLEST: f64 = 1e-30;
 fn two_or_three(node: Node<'_>, z: f64) -> Option<DVec3> {
     match node.content()? {
         NodeContent::Tuple(items) if node.word().is_empty() && items.len() == 2 => {
-            each([items[0], items[1]], number).map(|[x, y]| DVec3::new(x, y, z))
+            each(tuple(node, "two numbers (x, y)")?, number).map(|[x, y]| DVec3::new(x, y, z))
         }
         NodeContent::Tuple(items) if items.len() == 3 => vector(node),
         _ => {

@@ -36,12 +36,9 @@ pub fn particles(fields: &mut Fields<'_>) -> Option<Arc<ParticleTracks>> {
         name = file_path(node)?;
         table(node, &name)
     });
-    let Some(table) = table else {
-        ["time", "id", "position", "radius"].into_iter().for_each(|name| fields.ignore(name));
-        return None;
-    };
-    let node = fields.node();
-    let columns = columns(fields, &table, &place)?;
+    let given = given_columns(fields);
+    let (table, node) = (table?, fields.node());
+    let columns = columns(given, node, &table, &place)?;
     match rows(&table, &columns, node) {
         Ok(tracks) => Some(Arc::new(tracks)),
         Err((place, error)) => {
@@ -52,10 +49,16 @@ pub fn particles(fields: &mut Fields<'_>) -> Option<Arc<ParticleTracks>> {
     }
 }
 
-/// Reads the names of columns. Those that the file does not name have their usual names.
-fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> Option<Columns> {
-    let usual = |name: &str| ColumnName { name: name.to_owned(), place: place.clone() };
-    let known = |names: &[&str]| names.iter().find(|name| table.has(name)).map(|name| usual(name));
+/// The columns that the file names.
+struct GivenColumns {
+    time: Option<Option<ColumnName>>,
+    id: Option<Option<ColumnName>>,
+    position: Option<Option<[ColumnName; 3]>>,
+    radius: Option<Option<Radius>>,
+}
+
+/// Reads the names of columns.
+fn given_columns(fields: &mut Fields<'_>) -> GivenColumns {
     let time = fields.optional("time", column);
     let id = fields.optional("id", column);
     let position = fields.optional("position", |node| each(tuple(node, "three names of columns")?, column));
@@ -63,11 +66,18 @@ fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> Opti
         true => positive(node).map(Radius::Number),
         false => column(node).map(Radius::Column),
     });
-    let (time, id, position, radius) = (time?, id?, position?, radius?);
+    GivenColumns { time, id, position, radius }
+}
+
+/// All columns. Those that the file does not name have their usual names.
+fn columns(given: GivenColumns, node: Node<'_>, table: &Table, place: &Range<usize>) -> Option<Columns> {
+    let usual = |name: &str| ColumnName { name: name.to_owned(), place: place.clone() };
+    let known = |names: &[&str]| names.iter().find(|name| table.has(name)).map(|name| usual(name));
+    let (time, id, position, radius) = (given.time?, given.id?, given.position?, given.radius?);
     let missing = |what: &str, write: &str| {
         let fault = Fault::new(place.clone(), "this table has no particles that Kinora recognises", what);
         let names = listed(table.names());
-        fields.node().fault(fault.help(format!("its columns are {names}; write {write}")));
+        node.fault(fault.help(format!("its columns are {names}; write {write}")));
     };
     let all = |names: &&[&str; 3]| names.iter().all(|name| table.has(name));
     let position = position.or_else(|| POSITIONS.iter().find(all).map(|names| names.map(usual)));

@@ -69,33 +69,51 @@ impl ColumnName {
     }
 }
 
-/// [`columns`], with a column of times.
-pub fn timed_columns(
-    fields: &mut Fields<'_>,
-    table: &Table,
-    place: &Range<usize>,
-) -> Option<(ColumnName, PoseColumns)> {
-    let columns = read_columns(fields, table, place, true)?;
-    Some((columns.time.clone()?, columns))
+/// The columns that the file names. Of each None if it is wrong and reported.
+pub struct GivenColumns {
+    time: Option<Option<ColumnName>>,
+    position: Option<Option<[ColumnName; 3]>>,
+    rotation: Option<Option<RotationColumns>>,
 }
 
-/// Reads the names of columns. Those that the file does not name have their usual names.
-pub fn columns(fields: &mut Fields<'_>, table: &Table, place: &Range<usize>) -> Option<PoseColumns> {
-    read_columns(fields, table, place, false)
-}
-
-/// [`columns`]. `is_timed` states whether there must be a column of times.
-fn read_columns(
-    fields: &mut Fields<'_>,
-    table: &Table,
-    place: &Range<usize>,
-    is_timed: bool,
-) -> Option<PoseColumns> {
-    let usual = |name: &str| ColumnName { name: name.to_owned(), place: place.clone() };
+/// Reads the names of columns.
+pub fn given_columns(fields: &mut Fields<'_>) -> GivenColumns {
     let time = fields.optional("time", column);
     let position = fields.optional("position", |node| each(tuple(node, "three names of columns")?, column));
     let rotation = fields.optional("rotation", rotation);
-    let (time, position, rotation) = (time?, position?, rotation?);
+    GivenColumns { time, position, rotation }
+}
+
+/// [`columns`], with a column of times.
+pub fn timed_columns(
+    given: GivenColumns,
+    fields: &Fields<'_>,
+    table: &Table,
+    place: &Range<usize>,
+) -> Option<(ColumnName, PoseColumns)> {
+    let columns = all_columns(given, fields, (table, place), true)?;
+    Some((columns.time.clone()?, columns))
+}
+
+/// All columns. Those that the file does not name have their usual names.
+pub fn columns(
+    given: GivenColumns,
+    fields: &Fields<'_>,
+    table: &Table,
+    place: &Range<usize>,
+) -> Option<PoseColumns> {
+    all_columns(given, fields, (table, place), false)
+}
+
+/// [`columns`]. `is_timed` states whether there must be a column of times.
+fn all_columns(
+    given: GivenColumns,
+    fields: &Fields<'_>,
+    (table, place): (&Table, &Range<usize>),
+    is_timed: bool,
+) -> Option<PoseColumns> {
+    let usual = |name: &str| ColumnName { name: name.to_owned(), place: place.clone() };
+    let (time, position, rotation) = (given.time?, given.position?, given.rotation?);
     if position.is_some() && rotation.as_ref().is_some_and(RotationColumns::translate) {
         let title = "a matrix of 12 or 16 columns holds the position";
         fields.node().fault(Fault::new(fields.place("position"), title, "one too many"));

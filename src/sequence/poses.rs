@@ -5,7 +5,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::keys::repeat;
 use super::node::Node;
-use super::pose_columns::timed_columns;
+use super::pose_columns::{given_columns, timed_columns};
 use super::pose_tracks::{Interpolation, PoseTracks, tracks};
 use super::suggest::shortened;
 use super::values::{PATHS, file_path};
@@ -70,7 +70,7 @@ fn poses<'s, T>(
     may_scale: bool,
     more: impl Fn(&mut Fields<'s>) -> Option<T>,
 ) -> Option<(PoseTracks, T)> {
-    if !node.is_text() && node.word() != "Poses" {
+    if !node.begins_with("Poses") && !node.is_text() {
         node.expected("the name of a table in quotes, or Poses(file: \"name.csv\", ...)");
         return None;
     }
@@ -90,13 +90,10 @@ fn poses<'s, T>(
     let ease = fields.or("ease", ease, Ease::Linear);
     let repeat = fields.or("repeat", repeat, Repeat::Hold);
     let more = more(&mut fields);
-    let Some(table) = table else {
-        ["time", "position", "rotation"].into_iter().for_each(|name| fields.ignore(name));
-        fields.finish();
-        return None;
-    };
-    let columns = timed_columns(&mut fields, &table, &place);
+    let given = given_columns(&mut fields);
+    let columns = table.as_ref().and_then(|table| timed_columns(given, &fields, table, &place));
     fields.finish();
+    let table = table?;
     let ((time, columns), how) = (columns?, Interpolation { ease: ease?, repeat: repeat? });
     match tracks(&table, (&time, &columns), how, node.file.clock.get(), may_scale) {
         Ok(tracks) => Some((tracks, more?)),

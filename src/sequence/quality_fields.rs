@@ -18,7 +18,7 @@ pub const ERRORS: RangeInclusive<f64> = 1e-4..=1.0;
 /// Decodes `quality`: fields, or `Error(0.01)` alone.
 pub fn quality(node: Node<'_>) -> Option<Quality> {
     let default = Quality::default();
-    if node.word() == "Error" {
+    if node.begins_with("Error") {
         let error = error(node)?;
         return Some(Quality { noise: Some(NoiseTarget { error, most: NoiseTarget::MOST }), ..default });
     }
@@ -92,7 +92,8 @@ fn path(node: Node<'_>) -> Option<Integrator> {
 
 /// A number of bounces, or `Off`.
 fn roulette(node: Node<'_>) -> Option<Option<u32>> {
-    if node.as_word().bare_word() == Some("Off") {
+    let word = node.as_word();
+    if word.begins_with("Off") && word.bare_word().is_some() {
         return Some(None);
     }
     if !is_number(node) {

@@ -5,6 +5,7 @@ use super::fields::Fields;
 use super::keys::keyed;
 use super::node::{Node, NodeContent};
 use super::poses::{object_poses, posed};
+use super::schema::Ask;
 use super::values::{angle, direction, each, number, tuple, vector};
 use super::words::{Variants, variant};
 use crate::base::math::{self, Angle, DQuat, DVec3};
@@ -72,9 +73,9 @@ fn rotation(node: Node<'_>) -> Option<Rotation> {
 
 /// A rotation, or an angle around `axis`.
 pub fn turn<'s>(axis: DVec3) -> impl Fn(Node<'s>) -> Option<Rotation> {
-    move |node| match node.word() {
-        "" | "Track" => keyed(angle)(node).map(|angle| Rotation::AxisAngle { axis: axis.into(), angle }),
-        _ => rotation(node),
+    move |node| match node.begins_with("Track") || node.word().is_empty() {
+        true => keyed(angle)(node).map(|angle| Rotation::AxisAngle { axis: axis.into(), angle }),
+        false => rotation(node),
     }
 }
 
@@ -97,6 +98,7 @@ fn euler(node: Node<'_>) -> Option<Rotation> {
 fn quaternion(node: Node<'_>) -> Option<Rotation> {
     match node.content()? {
         NodeContent::Tuple(items) if items.len() == 1 => {
+            node.ask(|| Ask::Tuple { what: "a quaternion".to_owned(), count: 1 });
             keyed(unit_quaternion)(items[0]).map(Rotation::Quaternion)
         }
         _ => {

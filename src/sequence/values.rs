@@ -3,9 +3,11 @@
 use super::decimal::{NotExact, exact, is_decimal};
 use super::fault::Fault;
 use super::node::{Form, Node, NodeContent};
+use super::schema::Ask;
 use super::words::word;
 use crate::base::math::{Angle, DVec3, UpAxis};
 use crate::base::time::Time;
+use serde_json::{Value, json};
 use std::ops::RangeInclusive;
 
 /// Maximum absolute value of a number, so that squares and products do not overflow.
@@ -27,8 +29,18 @@ fn decimal(node: Node<'_>) -> Option<f64> {
     is_decimal(text).then(|| text.replace('_', "").parse().ok()).flatten()
 }
 
+/// Notes for the schema that a plain value is accepted.
+fn ask(node: Node<'_>, schema: impl FnOnce() -> Value) {
+    node.ask(|| Ask::plain(&schema()));
+}
+
 /// A finite number.
 pub fn number(node: Node<'_>) -> Option<f64> {
+    ask(node, || json!({"type": "number"}));
+    finite(node)
+}
+
+fn finite(node: Node<'_>) -> Option<f64> {
     let text = node.text();
     if let Some(value) = decimal(node) {
         if value.abs() <= LARGEST {
@@ -52,9 +64,9 @@ pub fn number(node: Node<'_>) -> Option<f64> {
     None
 }
 
-/// A number that satisfies `good`. `what` describes it for messages.
+/// A number that satisfies `good`, as the caller has asked for. `what` describes it for messages.
 fn number_where(node: Node<'_>, what: &str, good: impl Fn(f64) -> bool) -> Option<f64> {
-    let value = number(node)?;
+    let value = finite(node)?;
     if good(value) {
         return Some(value);
     }
@@ -73,6 +85,7 @@ fn bounded(node: Node<'_>, what: &str, good: impl Fn(f64) -> bool) -> Option<f64
 
 /// A number above 0, such as a radius.
 pub fn positive(node: Node<'_>) -> Option<f64> {
+    ask(node, || json!({"type": "number", "exclusiveMinimum": 0}));
     let value = number_where(node, "a number above 0", |value| value > 0.0)?;
     if value < SHORTEST {
         node.expected("a number of at least 1e-30");
@@ -83,12 +96,14 @@ pub fn positive(node: Node<'_>) -> Option<f64> {
 
 /// A number of 0 or more, such as a strength.
 pub fn not_negative(node: Node<'_>) -> Option<f64> {
+    ask(node, || json!({"type": "number", "minimum": 0}));
     number_where(node, "a number of 0 or more", |value| value >= 0.0)
 }
 
 /// A number within bounds.
 pub fn between(range: RangeInclusive<f64>) -> impl Fn(Node<'_>) -> Option<f64> {
     move |node| {
+        ask(node, || json!({"type": "number", "minimum": range.start(), "maximum": range.end()}));
         let what = format!("a number from {} to {}", range.start(), range.end());
         bounded(node, &what, |value| range.contains(&value))
     }
@@ -96,12 +111,14 @@ pub fn between(range: RangeInclusive<f64>) -> impl Fn(Node<'_>) -> Option<f64> {
 
 /// A share of the picture's shorter side that stays free on every side.
 pub fn margin(node: Node<'_>) -> Option<f64> {
+    ask(node, || json!({"type": "number", "minimum": 0, "exclusiveMaximum": 0.5}));
     bounded(node, "a number from 0 to below 0.5", |value| (0.0..0.5).contains(&value))
 }
 
 /// A whole number within bounds.
 pub fn whole(range: RangeInclusive<u32>) -> impl Fn(Node<'_>) -> Option<u32> {
     move |node| {
+        ask(node, || json!({"type": "integer", "minimum": range.start(), "maximum": range.end()}));
         let what = format!("a whole number from {} to {}", range.start(), range.end());
         let bounds = f64::from(*range.start())..=f64::from(*range.end());
         let value = bounded(node, &what, |value| value.fract() == 0.0 && bounds.contains(&value))?;
@@ -112,6 +129,7 @@ pub fn whole(range: RangeInclusive<u32>) -> impl Fn(Node<'_>) -> Option<u32> {
 /// A whole number with a sign.
 pub fn whole_number(range: RangeInclusive<i32>) -> impl Fn(Node<'_>) -> Option<i32> {
     move |node| {
+        ask(node, || json!({"type": "integer", "minimum": range.start(), "maximum": range.end()}));
         let what = format!("a whole number from {} to {}", range.start(), range.end());
         let bounds = f64::from(*range.start())..=f64::from(*range.end());
         let value = bounded(node, &what, |value| value.fract() == 0.0 && bounds.contains(&value))?;
@@ -121,6 +139,7 @@ pub fn whole_number(range: RangeInclusive<i32>) -> impl Fn(Node<'_>) -> Option<i
 
 /// A decimal number as an exact fraction with at most `places` decimal places.
 fn exact_number(node: Node<'_>, places: u32) -> Option<Time> {
+    ask(node, || json!({"type": "number"}));
     match exact(node.text(), places) {
         Ok(value) => Some(value),
         // The message is the same as for any other number.
@@ -157,6 +176,7 @@ pub fn exact_or_rounded(node: Node<'_>, places: u32) -> Option<Time> {
 /// Exactly `N` values in parentheses. `what` describes them for messages.
 pub fn tuple<'s, const N: usize>(node: Node<'s>, what: &str) -> Option<[Node<'s>; N]> {
     node.note_form(Form::Tuple);
+    node.ask(|| Ask::Tuple { what: what.to_owned(), count: N });
     let items = match node.content()? {
         NodeContent::Tuple(items) => items,
         // In JSON an array is what is asked for.
@@ -227,12 +247,14 @@ pub fn unit_vector(node: Node<'_>) -> Option<DVec3> {
 
 /// An angle in degrees.
 pub fn angle(node: Node<'_>) -> Option<Angle> {
+    ask(node, || json!({"type": "number"}));
     number_where(node, "an angle between -1e9 and 1e9 degrees", |value| value.abs() <= 1e9).map(Angle)
 }
 
 /// An angle within bounds in degrees.
 pub fn angle_between(least: f64, most: f64) -> impl Fn(Node<'_>) -> Option<Angle> {
     move |node| {
+        ask(node, || json!({"type": "number", "minimum": least, "maximum": most}));
         let what = format!("an angle from {least} to {most} degrees");
         bounded(node, &what, |value| (least..=most).contains(&value)).map(Angle)
     }
@@ -240,12 +262,14 @@ pub fn angle_between(least: f64, most: f64) -> impl Fn(Node<'_>) -> Option<Angle
 
 /// A vertical field of view in degrees.
 pub fn field_of_view(node: Node<'_>) -> Option<Angle> {
+    ask(node, || json!({"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 180}));
     let what = "an angle from 0.000001 to below 180 degrees";
     number_where(node, what, |value| (1e-6..180.0).contains(&value)).map(Angle)
 }
 
 /// `true` or `false`
 pub fn switch(node: Node<'_>) -> Option<bool> {
+    ask(node, || json!({"type": "boolean"}));
     let value = match node.bare_word() {
         Some("true") => Some(true),
         Some("false") => Some(false),
@@ -259,6 +283,7 @@ pub fn switch(node: Node<'_>) -> Option<bool> {
 
 /// Text in quotes.
 pub fn text(node: Node<'_>) -> Option<String> {
+    ask(node, || json!({"type": "string"}));
     if !node.is_text() {
         let fault = node.mismatch("text in quotes");
         node.fault(match node.bare_word() {
@@ -291,6 +316,7 @@ pub fn file_path(node: Node<'_>) -> Option<String> {
 /// Decodes each value of a list. None if any value has a fault.
 pub fn list<'s, T>(node: Node<'s>, what: &str, decode: impl Fn(Node<'s>) -> Option<T>) -> Option<Vec<T>> {
     node.note_form(Form::List);
+    node.ask(|| Ask::List { what: what.to_owned() });
     let items = match node.content()? {
         NodeContent::List(items) if node.word().is_empty() => items,
         NodeContent::Tuple(items) if node.file.is_json && node.word().is_empty() => items,

@@ -11,6 +11,7 @@ pub type Variants<'s, T> = [(&'static str, fn(Node<'s>) -> Option<T>)];
 pub fn variant<'s, T>(node: Node<'s>, what: &str, table: &Variants<'s, T>) -> Option<T> {
     let node = node.as_word();
     let known = table.iter().map(|(name, _)| *name);
+    node.ask_words(what, known.clone());
     if node.word().is_empty() || is_literal(node.word()) {
         report_no_word(node, known);
         return None;
@@ -25,6 +26,7 @@ pub fn variant<'s, T>(node: Node<'s>, what: &str, table: &Variants<'s, T>) -> Op
 /// The leading word of a value, if it is one of `known`.
 pub fn known_word(node: Node<'_>, what: &str, known: &'static [&'static str]) -> Option<&'static str> {
     let node = node.as_word();
+    node.ask_words(what, known);
     if node.word().is_empty() || is_literal(node.word()) {
         report_no_word(node, known.iter().copied());
         return None;
@@ -55,6 +57,7 @@ fn report_no_word<'n>(node: Node<'_>, known: impl Iterator<Item = &'n str> + Clo
 pub fn word<T: Copy>(node: Node<'_>, what: &str, table: &[(&'static str, T)]) -> Option<T> {
     let node = node.as_word();
     let known = table.iter().map(|(name, _)| *name);
+    node.ask_words(what, known.clone());
     let Some(word) = node.bare_word() else {
         report_no_word(node, known);
         return None;

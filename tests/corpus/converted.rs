@@ -1,11 +1,14 @@
-//! The sequences of the repository mean the same in JSON and back in RON.
+//! The sequences of the repository mean the same in JSON and back in RON, and their JSON satisfies the schema.
 
-use crate::meshes;
+use crate::{meshes, validator};
 use kinora::base::files::Root;
-use kinora::sequence::{Sequence, converted_text, parse};
+use kinora::sequence::{Sequence, converted_text, parse, schema};
 use libtest_mimic::Failed;
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
+
+static SCHEMA: LazyLock<serde_json::Value> = LazyLock::new(|| schema(&|_| None));
 
 /// Converts a sequence to JSON and back. All three load as the same sequence.
 pub fn check(path: &Path) -> Result<(), Failed> {
@@ -15,7 +18,7 @@ pub fn check(path: &Path) -> Result<(), Failed> {
     let text = fs::read_to_string(path)?;
     let expected = sequence(path, &text)?;
     let json = converted_text(path, &text, root.clone())?;
-    serde_json::from_str::<serde::de::IgnoredAny>(&json)?;
+    validator::validate(&SCHEMA, &SCHEMA, &serde_json::from_str(&json)?)?;
     if !is_same(&sequence(&json_path, &json)?, &expected) {
         return Err(format!("another sequence in JSON:\n{json}").into());
     }

@@ -22,6 +22,8 @@ mod meshes;
 mod paint;
 mod render;
 mod shipped;
+#[path = "../../src/sequence/schema/tests/validator.rs"]
+mod validator;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use std::fs;

@@ -114,6 +114,8 @@ fn help_of_commands_shows_options_units_and_defaults() {
         "expand",
         "explain",
         "fmt",
+        "convert",
+        "schema",
         "completions",
         "man",
     ] {
@@ -185,6 +187,23 @@ fn fields_are_explained() {
     refused(&["explain", "exposur"], &["did you mean `exposure`?"]);
     let titles = kinora(&["explain"]).stdout;
     assert!(titles.contains("  timeline\n") && titles.contains("    Tone maps\n"), "{titles}");
+}
+
+#[test]
+fn the_schema_has_what_the_reference_says() {
+    let run = kinora(&["schema"]);
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let schema: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
+    let text = |place: &str| schema.pointer(place).and_then(serde_json::Value::as_str).unwrap_or_default();
+    assert_eq!(text("/$schema"), "https://json-schema.org/draft/2020-12/schema");
+    let frames = text("/$defs/timeline/properties/frames/description");
+    assert!(frames.starts_with("number of frames, 1 to 10 000 000. default: 1."), "{frames}");
+    assert!(!run.stdout.contains("](#"), "links have no place in an editor");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("kinora.schema.json");
+    let written = kinora(&["schema", "-o", path.to_str().expect("text")]);
+    assert_eq!(written.code, Some(0), "{}", written.stderr);
+    assert_eq!(std::fs::read_to_string(&path).expect("a file"), run.stdout);
 }
 
 #[test]

@@ -39,6 +39,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     terminal::print_text(answer(&reference, name)?.trim_end())
 }
 
+/// What the reference says about names of the file. In front of each name are those of its owners.
+pub fn describer() -> impl Fn(&[&str]) -> Option<String> {
+    let reference = Reference::read(&PAGES);
+    move |path| print::sentences(&Query::new(&path.join(".")).best(&reference)?)
+}
+
 fn answer(reference: &Reference, name: &str) -> Result<String, Failure> {
     let query = Query::new(name);
     let found = query.find(reference);

@@ -18,6 +18,18 @@ pub fn found(found: &[Found]) -> String {
     texts.collect::<Vec<_>>().join("\n")
 }
 
+/// A row as sentences.
+pub fn sentences(found: &Found) -> Option<String> {
+    let Found::Row { table, row, .. } = found else { return None };
+    let cells = table.columns.iter().zip(*row).skip(1).filter(|(_, cell)| !cell.is_empty());
+    let sentences = cells.map(|(column, cell)| match column.as_str() {
+        "" | "meaning" => format!("{cell}."),
+        column => format!("{column}: {cell}."),
+    });
+    let text = sentences.collect::<Vec<_>>().join(" ");
+    (!text.is_empty()).then_some(text)
+}
+
 /// The titles of all sections, those within others indented.
 pub fn titles(reference: &Reference) -> String {
     let mut text = String::new();

@@ -47,6 +47,21 @@ impl<'n> Query<'n> {
         }
     }
 
+    /// What the query means if its owners are all those around the name in a file, which titles of the reference need not
+    /// name. None if the reference describes several things of that name, and none of them belongs to one of the owners.
+    pub fn best<'r>(&self, reference: &'r Reference) -> Option<Found<'r>> {
+        let name = self.name;
+        let found = Self { owners: Vec::new(), name }.find(reference);
+        let is_only = found.len() == 1;
+        let count = |found: &Found| {
+            self.owners.iter().filter(|owner| Self { owners: vec![owner], name }.is_owner(found)).count()
+        };
+        // The first one of those with the most owners.
+        let counted = found.into_iter().rev().map(|found| (count(&found), found));
+        let (count, best) = counted.max_by_key(|(count, _)| *count)?;
+        (count > 0 || is_only).then_some(best)
+    }
+
     /// Whether what was found belongs to all owners of the query.
     fn is_owner(&self, found: &Found) -> bool {
         let path = found.section().path();
@@ -110,7 +125,14 @@ fn rows_of(section: &Section) -> impl Iterator<Item = Found<'_>> {
 
 /// Whether the first cell of a row is about the name.
 fn is_head(row: &[String], name: &str) -> bool {
-    identifiers(&row[0]).iter().any(|head| head.eq_ignore_ascii_case(name))
+    let heads = identifiers(&row[0]).into_iter().chain(inner_fields(&row[0]));
+    heads.into_iter().any(|head| head.eq_ignore_ascii_case(name))
+}
+
+/// The fields in pieces of code such as `projection: fov`.
+fn inner_fields(cell: &str) -> impl Iterator<Item = &str> {
+    let inner = cell.split('`').skip(1).step_by(2).filter_map(|code| Some(code.split_once(": ")?.1));
+    inner.filter(|field| field.chars().all(|c| c.is_ascii_lowercase() || c == '_'))
 }
 
 /// Whether a further cell describes a field of this name: `` `radius: 1` `` or `` `position` ``.

@@ -10,22 +10,26 @@ use crate::sequence::fault::Fault;
 use crate::sequence::fields::Fields;
 use crate::sequence::keys::keyed;
 use crate::sequence::node::{Node, NodeContent};
+use crate::sequence::schema::Ask;
 use crate::sequence::values::{vector, whole, world_vector};
 use crate::sequence::words::word;
 
 /// A point: `(x, y, z)` or keys, `Object("name")`, or `Screen(x, y)`.
 pub fn anchor<'s>(scene: &SceneNames<'_>) -> impl Fn(Node<'s>) -> Option<Anchor> {
-    move |node| match node.word() {
-        "Object" => object_point(node, scene),
-        "Screen" => screen(node),
-        "" | "Track" if !node.is_text() => keyed(world_vector)(node).map(Anchor::World),
-        _ => {
-            let fault = node.mismatch("a point (x, y, z), Object(\"name\") or Screen(x, y)");
-            node.fault(match node.is_text() {
-                true => fault.help(format!("write Object({}) for a point of an object", node.text())),
-                false => fault,
-            });
-            None
+    move |node| {
+        node.ask_words("point", ["Object", "Screen", "Track"]);
+        match node.word() {
+            "Object" => object_point(node, scene),
+            "Screen" => screen(node),
+            "" | "Track" if !node.is_text() => keyed(world_vector)(node).map(Anchor::World),
+            _ => {
+                let fault = node.mismatch("a point (x, y, z), Object(\"name\") or Screen(x, y)");
+                node.fault(match node.is_text() {
+                    true => fault.help(format!("write Object({}) for a point of an object", node.text())),
+                    false => fault,
+                });
+                None
+            }
         }
     }
 }
@@ -44,7 +48,10 @@ pub fn world_anchor<'s>(scene: &SceneNames<'_>) -> impl Fn(Node<'s>) -> Option<A
 /// Shares of the picture's width and height.
 fn screen(node: Node<'_>) -> Option<Anchor> {
     let keys = match node.content()? {
-        NodeContent::Tuple(items) => <[Node<'_>; 1]>::try_from(items).ok(),
+        NodeContent::Tuple(items) => {
+            node.ask(|| Ask::Tuple { what: "a place".to_owned(), count: 1 });
+            <[Node<'_>; 1]>::try_from(items).ok()
+        }
         _ => None,
     };
     match keys {
@@ -59,7 +66,7 @@ fn object_point(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Anchor> {
     let places = ["side", "point", "vertex"].map(|name| fields.has(name).then(|| fields.place(name)));
     let side = fields.optional("side", side);
     let point = fields.optional("point", vector);
-    let vertex = fields.optional("vertex", |node| vertex(node, scene.object_at(index?)));
+    let vertex = fields.optional("vertex", |node| vertex(node, index.map(|index| scene.object_at(index))));
     fields.finish();
     let given: Vec<_> = places.into_iter().flatten().collect();
     if let [first, second, ..] = &given[..] {
@@ -100,9 +107,10 @@ fn side(node: Node<'_>) -> Option<DVec3> {
     word(node, "side", &named).map(|side| up.from_y_up(side))
 }
 
-/// The place of a vertex of a mesh.
-fn vertex(node: Node<'_>, object: Option<&Object>) -> Option<DVec3> {
+/// The place of a vertex of a mesh. `object` is None if the name of the object is wrong.
+fn vertex(node: Node<'_>, object: Option<Option<&Object>>) -> Option<DVec3> {
     let index = whole(0..=u32::MAX)(node)?;
+    let object = object?;
     if object.is_some_and(|object| object.tracks.is_some()) {
         let title = "a vertex of a series has no place of its own: each file has other vertices";
         let fault = Fault::new(node.span(), title, "not one mesh");

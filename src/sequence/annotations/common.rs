@@ -76,6 +76,7 @@ pub fn common_over(fields: &mut Fields<'_>, default: Style) -> Option<Common> {
 
 fn backdrop(node: Node<'_>) -> Option<Backdrop> {
     let node = node.as_word();
+    node.ask_words("backdrop", ["None", "Halo", "Box"]);
     match (node.bare_word(), node.word()) {
         (Some("None"), _) => Some(Backdrop::None),
         (Some("Halo"), _) => Some(Backdrop::Halo),
@@ -114,7 +115,7 @@ fn values(node: Node<'_>) -> Option<Vec<(String, Animated<f64>)>> {
 
 /// A number, keys, or a column of a table.
 pub fn number_over_time(node: Node<'_>) -> Option<Animated<f64>> {
-    if node.word() != "Column" {
+    if !node.begins_with("Column") {
         return keyed(number)(node);
     }
     let mut fields = Fields::of(node, "`Column`")?;
@@ -188,6 +189,7 @@ fn one_offset(node: Node<'_>) -> Option<Offset> {
     let what = "(right, up) in heights of the picture, or Pixels(right, up)";
     let parts = each(tuple(node, what)?, number)?;
     let vector = DVec2::from_array(parts);
+    node.ask_words("offset", ["Pixels"]);
     match node.word() {
         "" => Some(Offset::Relative(vector)),
         "Pixels" => Some(Offset::Pixels(vector)),

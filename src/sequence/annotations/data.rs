@@ -135,7 +135,7 @@ fn series(node: Node<'_>, times: [Time; 2]) -> Option<Vec<PlotSeries>> {
     }
     let one = |node: Node<'_>, name: &str| {
         // A number over time, or one with a colour.
-        let plain = node.word() == "Column" || !node.opens_with('(');
+        let plain = node.begins_with("Column") || !node.opens_with('(');
         if plain {
             return Some(PlotSeries::new(name.to_owned(), number_over_time(node)?, None, times));
         }

@@ -65,6 +65,13 @@ fn a_map_may_have_one_name_that_looks_like_a_word() {
 }
 
 #[test]
+fn the_place_of_a_schema_is_ignored() {
+    let json = r#"{"$schema": "./kinora.schema.json", "timeline": {"frames": 2}}"#;
+    assert!(is_same(&sequence("a/b.json", json), &sequence("a/b.ron", "(timeline: (frames: 2))")));
+    assert_eq!(converted_to("a/b.json", json).trim_end(), "(timeline: (frames: 2))");
+}
+
+#[test]
 fn faults_name_the_place_in_the_file() {
     for (json, parts) in [
         ("{\n  \"objects\": {,}\n}", &["a/b.json:2:15", "JSON"][..]),
@@ -81,6 +88,8 @@ fn faults_name_the_place_in_the_file() {
         ("", &["a/b.json:1:1", "JSON"]),
         ("null", &["a/b.json:1:1"]),
         ("{\"objects\": null}", &["`objects`"]),
+        ("{\"$schema\": 1}", &["`$schema`: expected text"]),
+        ("{\"output\": {\"$schema\": \"a\"}}", &["the output has no field `$schema`"]),
     ] {
         let message = parse("a/b.json", json).expect_err(json).to_string();
         assert!(parts.iter().all(|part| message.contains(part)), "{parts:?}: {message}");

@@ -67,10 +67,11 @@ impl Writer<'_> {
     }
 
     fn fields(&self, brackets: &Brackets<'_>) -> String {
-        let entries =
-            brackets.entries.iter().map(named).map(|(name, value)| {
-                format!("{}: {}", json::name(name.unwrap_or_default()), self.value(&value))
-            });
+        let entries = brackets.entries.iter().map(named);
+        let entries = entries.map(|(name, value)| (json::name(name.unwrap_or_default()), value));
+        // RON has no such names, and no editor that looks for a schema.
+        let entries = entries.filter(|(name, _)| *name != json::SCHEMA);
+        let entries = entries.map(|(name, value)| format!("{name}: {}", self.value(&value)));
         entries.collect::<Vec<_>>().join(", ")
     }
 
