@@ -18,30 +18,35 @@ use crate::sequence::words::word;
 pub fn anchor<'s>(scene: &SceneNames<'_>) -> impl Fn(Node<'s>) -> Option<Anchor> {
     move |node| {
         node.ask_words("point", ["Object", "Screen", "Track"]);
-        match node.word() {
-            "Object" => object_point(node, scene),
-            "Screen" => screen(node),
-            "" | "Track" if !node.is_text() => keyed(world_vector)(node).map(Anchor::World),
-            _ => {
-                let fault = node.mismatch("a point (x, y, z), Object(\"name\") or Screen(x, y)");
-                node.fault(match node.is_text() {
-                    true => fault.help(format!("write Object({}) for a point of an object", node.text())),
-                    false => fault,
-                });
-                None
-            }
-        }
+        any_anchor(node, scene)
     }
 }
 
 /// [`anchor`] for points of the world.
 pub fn world_anchor<'s>(scene: &SceneNames<'_>) -> impl Fn(Node<'s>) -> Option<Anchor> {
     move |node| {
+        node.ask_words("point of the world", ["Object", "Track"]);
         if node.word() == "Screen" {
             node.expected("a point of the world: (x, y, z) or Object(\"name\")");
             return None;
         }
-        anchor(scene)(node)
+        any_anchor(node, scene)
+    }
+}
+
+fn any_anchor(node: Node<'_>, scene: &SceneNames<'_>) -> Option<Anchor> {
+    match node.word() {
+        "Object" => object_point(node, scene),
+        "Screen" => screen(node),
+        "" | "Track" if !node.is_text() => keyed(world_vector)(node).map(Anchor::World),
+        _ => {
+            let fault = node.mismatch("a point (x, y, z), Object(\"name\") or Screen(x, y)");
+            node.fault(match node.is_text() {
+                true => fault.help(format!("write Object({}) for a point of an object", node.text())),
+                false => fault,
+            });
+            None
+        }
     }
 }
 

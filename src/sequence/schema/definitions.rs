@@ -7,7 +7,8 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 /// Schemas up to this length are written where they are used.
 const SHORT: usize = 200;
 
-/// What decoders ask of values. Those of one kind have the same schema.
+/// What decoders ask of values. Those of one kind have the same schema, so decoders of different values must differ in what
+/// they accept at first sight, or in how they describe it.
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub struct Kind {
     pub asked: BTreeSet<Ask>,

@@ -72,14 +72,9 @@ impl Explorer<'_> {
             let description = self.enter(word);
             let mut inner = self.brackets(place, &asked, around);
             self.path.pop();
-            let has_brackets = !inner.is_empty();
-            let may_be_empty =
-                inner.iter().any(|schema| schema["type"] == "object" && schema.get("required").is_none());
-            if !has_brackets || may_be_empty {
+            if may_be_alone(&place.asked(&format!("{}[]{}", around.0, around.1))) {
                 alone.push(word);
                 inner.push(json!({"type": "array", "maxItems": 0}));
-            }
-            if !has_brackets {
                 inner.push(json!({"type": "object", "maxProperties": 0}));
             }
             worded.insert(word.to_owned(), described(any_of(inner), description));
@@ -193,8 +188,9 @@ impl Owner {
         let mut owner = Self { siblings: vec![String::new()], ..Self::default() };
         let mut next = 0;
         while let Some(sibling) = owner.siblings.get(next) {
-            let sibling = with_comma(sibling);
-            let asked = place.asked(&format!("{before}{{{}}}{after}", sibling.trim_end_matches(", ")));
+            // Without any field, the value could be a word alone.
+            let name = if sibling.is_empty() { "probe" } else { sibling };
+            let asked = place.asked(&format!("{before}{{\"{name}\": 1}}{after}"));
             owner.learn(asked);
             next += 1;
         }
@@ -219,6 +215,14 @@ impl Owner {
             None => missed,
         });
     }
+}
+
+/// Whether a word needs nothing behind it, by what decoders ask of it alone.
+fn may_be_alone(asked: &Asked) -> bool {
+    let has = |test: fn(&Ask) -> bool| asked.iter().any(test);
+    let needs_brackets =
+        has(|ask| matches!(ask, Ask::Tuple { .. })) && !has(|ask| matches!(ask, Ask::Fields { .. }));
+    !needs_brackets && !has(|ask| matches!(ask, Ask::Required(_)))
 }
 
 /// A field with some value and a comma behind it. Nothing for the empty name.

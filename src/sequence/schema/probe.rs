@@ -11,12 +11,14 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 /// Values of all forms. Decoders look at the form of a value before they ask for more, so each of these gets to other
-/// questions. The text looks like a word, which it may stand for.
-const FORMS: [&str; 13] = [
+/// questions. One of the texts looks like a word, which it may stand for.
+const FORMS: [&str; 15] = [
     "1",
     "true",
     "\"probe\"",
+    "\"#\"",
     "{}",
+    "{\"probe\": 1}",
     "{\"Probe\": {}}",
     "{\"Probe\": [1]}",
     "[1]",
