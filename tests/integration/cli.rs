@@ -198,6 +198,8 @@ fn the_schema_has_what_the_reference_says() {
     assert_eq!(text("/$schema"), "https://json-schema.org/draft/2020-12/schema");
     let frames = text("/$defs/timeline/properties/frames/description");
     assert!(frames.starts_with("number of frames, 1 to 10 000 000. default: 1."), "{frames}");
+    let fog = text("/properties/fog/description");
+    assert!(fog.starts_with("Fog absorbs light on its way to the eye"), "{fog}");
     assert!(!run.stdout.contains("](#"), "links have no place in an editor");
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("kinora.schema.json");

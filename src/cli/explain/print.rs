@@ -18,9 +18,18 @@ pub fn found(found: &[Found]) -> String {
     texts.collect::<Vec<_>>().join("\n")
 }
 
-/// A row as sentences.
+/// A row as sentences, or the first paragraph of a section.
 pub fn sentences(found: &Found) -> Option<String> {
-    let Found::Row { table, row, .. } = found else { return None };
+    let (table, row) = match found {
+        Found::Row { table, row, .. } => (table, row),
+        Found::Section(section) => {
+            let text = section.blocks.iter().find_map(|block| match block {
+                Block::Text(text) => Some(text),
+                Block::Table(_) => None,
+            });
+            return text.and_then(|text| text.split("\n\n").next()).map(|text| text.replace('\n', " "));
+        }
+    };
     let cells = table.columns.iter().zip(*row).skip(1).filter(|(_, cell)| !cell.is_empty());
     let sentences = cells.map(|(column, cell)| match column.as_str() {
         "" | "meaning" => format!("{cell}."),

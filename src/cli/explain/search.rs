@@ -52,6 +52,12 @@ impl<'n> Query<'n> {
     pub fn best<'r>(&self, reference: &'r Reference) -> Option<Found<'r>> {
         let name = self.name;
         let found = Self { owners: Vec::new(), name }.find(reference);
+        // Names without an owner are those of sections.
+        if let Some(section) = found.iter().position(|found| matches!(found, Found::Section(_)))
+            && self.owners.is_empty()
+        {
+            return found.into_iter().nth(section);
+        }
         let is_only = found.len() == 1;
         let count = |found: &Found| {
             self.owners.iter().filter(|owner| Self { owners: vec![owner], name }.is_owner(found)).count()
