@@ -3,6 +3,7 @@
 use crate::appearance::environment::{Environment, EnvironmentDistribution};
 use crate::appearance::light::{Light, Source};
 use crate::appearance::material::MaterialBinding;
+use crate::appearance::texture::TextureInputs;
 use crate::base::color::Rgb;
 use crate::film::LayerId;
 use crate::geometry::ray_kinds::RayKind;
@@ -14,8 +15,8 @@ use std::f64::consts::PI;
 pub enum SampledEmitter<'a> {
     /// The light of this index in the scene.
     Light(u32, Light),
-    /// The primitive of this index, which emits.
-    Object(u32),
+    /// The primitive of this index, which emits, and what its textures read.
+    Object(u32, TextureInputs),
     Sky(&'a EnvironmentDistribution),
 }
 
@@ -24,7 +25,7 @@ impl SampledEmitter<'_> {
     pub(super) fn is_sampled(&self) -> bool {
         match self {
             Self::Light(_, light) => light.source.is_sampled(),
-            Self::Object(_) | Self::Sky(_) => true,
+            Self::Object(..) | Self::Sky(_) => true,
         }
     }
 
@@ -40,7 +41,7 @@ impl SampledEmitter<'_> {
                 };
                 brightness(light.radiance) * area
             }
-            Self::Object(index) => {
+            Self::Object(index, _) => {
                 let primitive = &scene.geometry.primitives[*index as usize];
                 let Some(material) = primitive.material(0) else { return 0.0 };
                 let emission = scene.shading.materials[material as usize].lobes.emission;
@@ -78,7 +79,8 @@ pub(super) fn sources<'a>(
         // Light that no scattered ray can find arrives nowhere.
         let primitive = &scene.geometry.primitives[index as usize];
         let has_area = primitive.has_area() && primitive.rays.has(RayKind::Scattered);
-        has_area.then_some((layer, SampledEmitter::Object(index)))
+        let inputs = shading.materials[material as usize].texture_inputs();
+        has_area.then_some((layer, SampledEmitter::Object(index, inputs)))
     });
     let sky = environment.zip(shading.sky_table.as_deref());
     let sky = sky.map(|(environment, table)| (environment.layer, SampledEmitter::Sky(table)));

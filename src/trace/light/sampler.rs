@@ -7,6 +7,7 @@ use super::evaluate::sample_light;
 use super::sampled_emitter::{SampledEmitter, sources};
 use super::{LightSample, Receiver, sky};
 use crate::appearance::environment::{Environment, EnvironmentDistribution};
+use crate::appearance::texture::TextureInputs;
 use crate::base::color::Rgb;
 use crate::base::lanes::{Bits, Mask, Real, Row, Select, Vec3, out_of_line};
 use crate::film::LayerId;
@@ -99,7 +100,7 @@ impl<'a> LightSampler<'a> {
                     group.distribution.as_ref().map_or(1.0, |distribution| distribution.probabilities[index]);
                 match member {
                     SampledEmitter::Light(light, _) => self.lights[*light as usize] = Some(chance),
-                    SampledEmitter::Object(primitive) => self.objects.push((*primitive, chance)),
+                    SampledEmitter::Object(primitive, _) => self.objects.push((*primitive, chance)),
                     SampledEmitter::Sky(table) => self.sky = Some((table, chance)),
                 }
             }
@@ -173,16 +174,22 @@ impl<'a> LightSampler<'a> {
                 Some(environment) => sky::sample(environment, table, u),
                 None => LightSample::none(),
             },
-            SampledEmitter::Object(index) => self.sample_object(*index, at, u),
+            SampledEmitter::Object(index, inputs) => self.sample_object(*index, *inputs, at, u),
         }
     }
 
     /// Samples the light of a primitive that emits.
     #[inline(always)]
-    fn sample_object<F: Real>(&self, index: u32, at: &Receiver<F>, [u, v]: [F; 2]) -> LightSample<F> {
+    fn sample_object<F: Real>(
+        &self,
+        index: u32,
+        inputs: TextureInputs,
+        at: &Receiver<F>,
+        [u, v]: [F; 2],
+    ) -> LightSample<F> {
         let primitive = &self.scene.geometry.primitives[index as usize];
         let (surface, part, pdf) = primitive.sample_from(at.point, at.eye, u, v);
-        let emission = emission(self.scene, index, &surface, part);
+        let emission = emission(self.scene, index, inputs, &surface, part);
         LightSample::from_surface(at, &surface, emission, pdf)
     }
 
