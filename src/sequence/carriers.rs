@@ -1,8 +1,8 @@
 //! Lights and cameras that objects carry.
 
 use super::fault::Fault;
-use super::node::File;
 use super::placement::chain;
+use super::source_file::File;
 use super::{Named, Object, Sequence};
 use crate::appearance::light::{LightKind, LightTracks};
 use crate::base::math::{Angle, DVec3, UpAxis};

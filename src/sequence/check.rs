@@ -2,7 +2,7 @@
 
 use super::Named;
 use super::fault::Fault;
-use super::node::File;
+use super::source_file::File;
 use super::suggest::shortened;
 use crate::base::time::{Clock, Time, Timeline};
 use crate::camera::path::{CameraPath, NoCamera, moments};

@@ -1,7 +1,7 @@
 //! Finds the data that textures name, and the ranges of data where a file leaves them to Kinora.
 
 use super::fault::Fault;
-use super::node::File;
+use super::source_file::File;
 use super::suggest::{listed, nearest, shortened};
 use super::{Named, Object, ShapeTracks};
 use crate::appearance::material::MaterialTracks;

@@ -2,7 +2,7 @@
 
 use super::carriers::TreeBuilder;
 use super::fault::Fault;
-use super::node::File;
+use super::source_file::File;
 use super::suggest::shortened;
 use super::{Named, Object, ShapeTracks};
 use crate::base::math::DAffine3;

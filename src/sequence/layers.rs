@@ -3,7 +3,7 @@
 
 use super::Sequence;
 use super::fault::Fault;
-use super::node::File;
+use super::source_file::File;
 use crate::appearance::light_groups::LightGroups;
 use crate::appearance::light_groups::{GroupRadiance, GroupWeight};
 use crate::film::LayerId;

@@ -5,7 +5,7 @@ use super::expand::source::Sources;
 use super::expand::{self, Expanded, include};
 use super::fault::Fault;
 use super::faults::Faults;
-use super::node::{self, Form};
+use super::source_file::{self, Form, Written};
 use super::{Sequence, json, syntax, version};
 use crate::base::files::{self, Root};
 use crate::import::LoadProgress;
@@ -165,7 +165,7 @@ impl SourceText<'_> {
             return Err(Faults::new(Sources::new(main()), faults));
         }
         let decoder = Decoder { name, meter, wants_plain };
-        let mut file = node::File::new(text, folder, root.clone(), is_common);
+        let mut file = source_file::File::new(text, folder, root.clone(), is_common);
         file.is_json = is_json;
         // Whatever else is unknown in the file may be new.
         if let Some(fault) = version::too_new(&file) {
@@ -197,8 +197,8 @@ impl SourceText<'_> {
         if !faults.is_empty() {
             return Err(refused(faults));
         }
-        let mut file = node::File::new(&text, folder, root, is_common);
-        file.written = Some(node::Written { map: &map, sources });
+        let mut file = source_file::File::new(&text, folder, root, is_common);
+        file.written = Some(Written { map: &map, sources });
         let decoded = decoder.decoded(file, |at| {
             let place = map.place(&(at..at + 1)).span.start;
             let source = sources.of(place);
@@ -219,7 +219,7 @@ impl Decoder<'_> {
     /// Decodes a text. `line` names the file and the line of a byte.
     fn decoded(
         &self,
-        mut file: node::File<'_>,
+        mut file: source_file::File<'_>,
         line: impl Fn(usize) -> String,
     ) -> Result<Loaded, Vec<Fault>> {
         let stem = Path::new(self.name).file_stem();

@@ -75,6 +75,7 @@ mod schema;
 mod transform_limits;
 mod shape;
 mod shape_tracks;
+mod source_file;
 mod suggest;
 mod symbols;
 mod syntax;

@@ -2,8 +2,9 @@
 
 use super::Named;
 use super::fault::Fault;
-use super::node::{Form, Node};
+use super::node::Node;
 use super::schema::Ask;
+use super::source_file::Form;
 use super::suggest::shortened;
 use super::values::text;
 use super::words::report_unknown;

@@ -195,7 +195,7 @@ mod tests {
     use crate::base::time::Time;
     use crate::sequence::Faults;
     use crate::sequence::expand::source::{Source, Sources};
-    use crate::sequence::node::File;
+    use crate::sequence::source_file::File;
     use std::path::Path;
 
     fn read(text: &str) -> Result<TextureTracks, String> {

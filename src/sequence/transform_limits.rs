@@ -1,8 +1,8 @@
 //! Checks that transforms stay within the range of the arithmetic. Chains of parents multiply their scales.
 
 use super::fault::Fault;
-use super::node::File;
 use super::placement;
+use super::source_file::File;
 use super::suggest::shortened;
 use super::values::{LARGEST, SHORTEST};
 use super::{Named, Object};

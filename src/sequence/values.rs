@@ -2,8 +2,9 @@
 
 use super::decimal::{NotExact, exact, is_decimal};
 use super::fault::Fault;
-use super::node::{Form, Node, NodeContent};
+use super::node::{Node, NodeContent};
 use super::schema::Ask;
+use super::source_file::Form;
 use super::words::word;
 use crate::base::math::{Angle, DVec3, UpAxis};
 use crate::base::time::Time;

@@ -5,7 +5,8 @@
 
 use super::expand::include::top_field;
 use super::fault::Fault;
-use super::node::{File, Node};
+use super::node::Node;
+use super::source_file::File;
 use super::suggest::shortened;
 use super::values::text;
 use std::fmt;

@@ -1,7 +1,7 @@
 //! RON as JSON. [`json`](super::super::json) describes the forms.
 
 use super::super::fmt::tree::{Brackets, Document};
-use super::super::node::Form;
+use super::super::source_file::Form;
 use super::{Value, named, start_of};
 use serde::de::IgnoredAny;
 use std::collections::HashMap;

@@ -2,7 +2,7 @@
 
 use super::super::fmt::tree::{Brackets, Document};
 use super::super::json;
-use super::super::node::Form;
+use super::super::source_file::Form;
 use super::{Value, named, start_of};
 use std::collections::HashMap;
 

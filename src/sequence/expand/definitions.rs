@@ -3,7 +3,8 @@
 use super::super::fault::Fault;
 use super::super::fields::Fields;
 use super::super::names::{Entry, entries};
-use super::super::node::{File, Node, NodeContent};
+use super::super::node::{Node, NodeContent};
+use super::super::source_file::File;
 use super::super::suggest::shortened;
 use super::super::version;
 use super::super::words::report_word;

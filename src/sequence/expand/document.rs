@@ -2,7 +2,8 @@
 
 use super::super::fault::Fault;
 use super::super::names::entries;
-use super::super::node::{File, Node, NodeContent};
+use super::super::node::{Node, NodeContent};
+use super::super::source_file::File;
 use super::super::symbols::Symbols;
 use super::definitions::{OWN_FIELDS, SECTIONS, Sections, define};
 use super::include::{Included, file};

@@ -1,7 +1,8 @@
 //! Reads the files that a sequence includes.
 
 use super::super::fault::Fault;
-use super::super::node::{File, Node, NodeContent};
+use super::super::node::{Node, NodeContent};
+use super::super::source_file::File;
 use super::super::suggest::shortened;
 use super::super::syntax;
 use super::super::values::{PATHS, list, text};

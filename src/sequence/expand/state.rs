@@ -1,7 +1,8 @@
 //! What all parts of an expansion share.
 
 use super::super::fault::Fault;
-use super::super::node::{File, Node};
+use super::super::node::Node;
+use super::super::source_file::File;
 use super::super::syntax::MAX_ENTRIES;
 use super::super::{outline, suggest::shortened};
 use super::evaluate::{Failure, evaluate, unknown, unknown_title};

@@ -3,7 +3,7 @@
 use super::{Ask, Watch};
 use crate::base::files::Root;
 use crate::sequence::document;
-use crate::sequence::node::File;
+use crate::sequence::source_file::File;
 use crate::sequence::syntax;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
