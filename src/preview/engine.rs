@@ -7,11 +7,9 @@ use super::pick::key_time;
 use super::playback::Playback;
 use super::render_task::RenderTask;
 use super::session::{Session, SessionOptions, Step, WatchedFiles};
-use super::{edit, forecast, places, planned};
+use super::{forecast, planned};
 use crate::base::cancel::Stop;
 use crate::base::math::DVec2;
-use crate::encode::write_file;
-use crate::sequence::{Sequence, load_text};
 use serde_json::{Value, json};
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, TryRecvError};
@@ -268,6 +266,11 @@ impl Engine {
 
     fn reload(&mut self) {
         self.session.reload();
+        self.follow_reload();
+    }
+
+    /// Takes up what the session has read.
+    fn follow_reload(&mut self) {
         *self.handle.watched.lock().unwrap_or_else(PoisonError::into_inner) = self.session.watched().clone();
         if let Some((_, stop)) = self.planning.take() {
             stop.flag().store(1, Relaxed);
@@ -350,7 +353,7 @@ impl Engine {
             }
             Command::CopyCamera => return self.camera_text(|view, up, _| view.ron(up)),
             Command::CopyKey => return self.camera_text(|view, up, time| view.key(up, time)),
-            Command::Place(names) => return self.place(&names),
+            Command::Place(names) => return self.session.place(&names),
             Command::WriteCamera => return self.write_camera(),
             Command::WriteLight { index, field } => return self.write_light(index, &field),
             Command::Frame(frame) => {
@@ -441,34 +444,6 @@ impl Engine {
         Ok(json!({ "text": text(&view, sequence.up, &time) }))
     }
 
-    /// The file, the line and the text of a value. Objects of included files and templates are found by their names.
-    fn place(&self, names: &[String]) -> Result<Value, String> {
-        let main = self.session.options.file.clone();
-        let included =
-            self.session.watched().keys().filter(|path| path.extension().is_some_and(|ext| ext == "ron"));
-        for path in std::iter::once(&main).chain(included) {
-            let Ok(text) = std::fs::read_to_string(path) else { continue };
-            // The closest part that is written: a copy has no place of its own, but its section has.
-            for count in (1..=names.len()).rev() {
-                let names: Vec<&str> = names[..count].iter().map(String::as_str).collect();
-                let Some(span) = places::find(&text, &names).filter(|_| count == names.len() || count > 1)
-                else {
-                    continue;
-                };
-                let line = places::line_of(&text, span.start);
-                let first = line.saturating_sub(4);
-                let lines: Vec<&str> = text.lines().skip(first).take(12).collect();
-                return Ok(json!({
-                    "file": path.to_string_lossy(),
-                    "line": line,
-                    "first": first + 1,
-                    "lines": lines,
-                }));
-            }
-        }
-        Err(format!("`{}` is not written in the file as such", names.join("`, `")))
-    }
-
     fn begin_forecast(&mut self) -> Result<(), String> {
         let sequence = self.session.changed_sequence().ok_or("there is no sequence")?;
         if self.forecasting {
@@ -501,78 +476,18 @@ impl Engine {
     }
 
     fn write_camera(&mut self) -> Result<Value, String> {
-        let view = self.session.view.clone().ok_or("the camera was not moved")?;
-        let sequence = self.session.loaded.clone().ok_or("there is no sequence")?;
-        let [camera] = &sequence.cameras[..] else {
-            return Err("the file has several cameras; copy the text and place it by hand".to_owned());
-        };
-        ViewCamera::may_replace(&camera.value)?;
-        let text = self.file_text()?;
-        let fields = view.fields(sequence.up);
-        let written = match places::find(&text, &["camera"]) {
-            None => edit::with_value(
-                &text,
-                &["camera"],
-                view.ron(sequence.up).trim_start_matches("camera: ").trim_end_matches(','),
-            ),
-            Some(_) => fields
-                .iter()
-                .filter(|(name, _)| *name != "projection" || view.path().lens != camera.value.lens)
-                .try_fold(text.clone(), |text, (name, value)| {
-                    edit::with_value(&text, &["camera", name], value)
-                }),
-        }?;
-        self.write(&written)?;
-        self.session.view = None;
-        Ok(json!({ "written": true }))
+        self.session.write_camera()?;
+        Ok(self.written())
     }
 
     fn write_light(&mut self, index: usize, field: &LightField) -> Result<Value, String> {
-        let sequence = self.session.loaded.clone().ok_or("there is no sequence")?;
-        let light = sequence.lights.get(index).ok_or("there is no such light")?;
-        let tracks = &light.value;
-        let (name, value, is_keyed) = match field {
-            LightField::On(on) => ("on", on.to_string(), tracks.on.is_keyed()),
-            LightField::Intensity(intensity) => {
-                ("intensity", super::camera::number(*intensity), tracks.intensity.is_keyed())
-            }
-            LightField::Color(color) => ("color", format!("{color:?}"), tracks.color.is_keyed()),
-        };
-        if is_keyed {
-            return Err(format!("`{name}` of {} has keys; change them in the file", light.name));
-        }
-        let written = edit::with_value(&self.file_text()?, &["lights", &light.name, name], &value)?;
-        self.write(&written)?;
-        let mut overrides = self.session.overrides.clone();
-        if overrides.lights.remove(&light.name).is_some() {
-            self.session.set_overrides(overrides);
-        }
-        Ok(json!({ "written": true }))
+        self.session.write_light(index, field)?;
+        Ok(self.written())
     }
 
-    fn file_text(&self) -> Result<String, String> {
-        if !self.session.options.edit {
-            return Err("the preview was started without --edit".to_owned());
-        }
-        std::fs::read_to_string(&self.session.options.file).map_err(|error| error.to_string())
-    }
-
-    /// Writes the user's file, unless the new text has mistakes.
-    fn write(&mut self, text: &str) -> Result<(), String> {
-        let file = self.session.options.file.clone();
-        self.session.parse(text).map_err(|error| format!("this would be a mistake in the file: {error}"))?;
-        // Links stay links.
-        let target = file.canonicalize().map_err(|error| error.to_string())?;
-        write_file(&target, text.as_bytes()).map_err(|error| error.to_string())?;
-        self.reload();
-        Ok(())
-    }
-}
-
-impl Session {
-    /// The sequence that a text in place of the file would give.
-    fn parse(&self, text: &str) -> Result<Sequence, String> {
-        let root = self.root();
-        load_text(&self.options.file, text, root, &Arc::default()).map_err(|error| error.render(false))
+    /// The answer to what was written, which the session has read.
+    fn written(&mut self) -> Value {
+        self.follow_reload();
+        json!({ "written": true })
     }
 }

@@ -30,6 +30,7 @@ mod places;
 mod planned;
 mod playback;
 mod render_task;
+mod scene_in_use;
 mod server;
 mod session;
 #[cfg(test)]
@@ -37,7 +38,9 @@ mod session_tests;
 mod stages;
 mod state;
 mod token;
+mod value_place;
 mod watch;
+mod write_back;
 
 pub use engine::{Engine, EngineHandle, Update};
 pub use server::{Address, Server, channel};

@@ -216,7 +216,7 @@ function describe() {
     $(id).classList.toggle("changed", changed.has(id));
   }
   $("changed").hidden = changed.size === 0;
-  $("changed").textContent = `Only in this session: ${[...changed].join(", ")}`;
+  $("changed").textContent = `Only on this page: ${[...changed].join(", ")}`;
   $("reset").disabled = changed.size === 0;
   $("projection").setAttribute("aria-pressed", state.parallel);
   $("camera-reset").disabled = !state.camera_moved;
