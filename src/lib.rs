@@ -118,7 +118,7 @@ mod testing;
 pub use base::stats::ProgressMeter;
 pub use encode::{Existing, Output, OutputError};
 pub use pipeline::render::{RenderError, Request, Reuse, Summary, render};
-pub use sequence::{Faults, LoadError, Sequence, UnknownObject, load, parse};
+pub use sequence::{FaultPlace, Faults, LoadError, Sequence, UnknownObject, load, parse};
 
 // The parts of a sequence.
 pub use appearance::light::{Attenuation, LightKind, LightTracks};

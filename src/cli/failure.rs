@@ -3,6 +3,8 @@
 use crate::encode::EncodeError;
 use crate::pipeline::render::RenderError;
 
+/// Exit code: everything is done.
+pub const SUCCESS: u8 = 0;
 /// Exit code: the command or the sequence is wrong. Nothing was written.
 pub const BAD_INPUT: u8 = 2;
 /// Exit code: rendering or writing failed on the way.

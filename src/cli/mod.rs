@@ -23,6 +23,7 @@ mod forecast_text;
 mod frame_selection;
 mod image_options;
 mod json;
+pub mod keywords;
 mod load;
 mod loading;
 mod manual;
@@ -57,6 +58,7 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
 use std::ffi::OsString;
 use std::process::ExitCode;
+use std::sync::OnceLock;
 
 /// Ray traces keyframed animations from a text file into pictures, GIFs and videos.
 #[derive(Parser)]
@@ -116,27 +118,42 @@ Examples:
 `kinora render --help` lists the options. Exit codes: 0 success; 2 a mistake in the command or the
 sequence; 3 a frame or file could not be made, or the reader of `-o -` closed the pipe.";
 
+/// The arguments of the command, if they are not those of the process.
+static ARGUMENTS: OnceLock<Vec<OsString>> = OnceLock::new();
+
 /// Runs the command of this process.
 pub fn main() -> ExitCode {
     signals::survive_size_limits();
-    run(std::env::args_os())
+    ExitCode::from(run(std::env::args_os()))
 }
 
-/// Runs a command. The first argument is the program's name.
-fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+/// Runs the only command of a process whose own arguments belong to another program, such as an interpreter. The first
+/// argument is the program's name. Returns the exit code.
+pub fn main_with(arguments: Vec<OsString>) -> u8 {
+    signals::survive_size_limits();
+    run(ARGUMENTS.get_or_init(|| arguments).clone())
+}
+
+/// The arguments of the command, for messages that repeat it.
+fn arguments() -> Vec<OsString> {
+    ARGUMENTS.get().cloned().unwrap_or_else(|| std::env::args_os().collect())
+}
+
+/// Runs a command. The first argument is the program's name. Returns the exit code.
+fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = match parse(arguments.into_iter().collect()) {
         Ok(arguments) => arguments,
         Err(code) => return code,
     };
     if let Err(error) = forced_level() {
         terminal::error(&error.to_string());
-        return ExitCode::from(failure::BAD_INPUT);
+        return failure::BAD_INPUT;
     }
     match execute(arguments.command) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => failure::SUCCESS,
         Err(failure) => {
             terminal::failure(&failure);
-            ExitCode::from(failure.code())
+            failure.code()
         }
     }
 }
@@ -175,7 +192,7 @@ fn program() -> clap::Command {
 ///
 /// # Errors
 /// The exit code, after it has printed an error, the help or the version.
-fn parse(arguments: Vec<OsString>) -> Result<Arguments, ExitCode> {
+fn parse(arguments: Vec<OsString>) -> Result<Arguments, u8> {
     let mut command = program();
     let (arguments, notes) = renamed_options::to_current(arguments, &command);
     // If an argument could steer a terminal, the message has no colours. Then all other control characters can be
@@ -202,7 +219,7 @@ fn is_quiet(matches: &ArgMatches) -> bool {
 }
 
 /// Prints a message of clap about the arguments of a command, with hints. Returns the exit code.
-fn explain(mut message: clap::Error, command: &clap::Command, plain: bool) -> ExitCode {
+fn explain(mut message: clap::Error, command: &clap::Command, plain: bool) -> u8 {
     let hint = hint_for_option(&mut message, command);
     if plain && message.use_stderr() {
         terminal::eprint_line(message.render().ansi().to_string().trim_end());
@@ -216,7 +233,7 @@ fn explain(mut message: clap::Error, command: &clap::Command, plain: bool) -> Ex
     if let Some(hint) = hint {
         terminal::eprint_line(&format!("\n{hint}"));
     }
-    if message.use_stderr() { ExitCode::from(failure::BAD_INPUT) } else { ExitCode::SUCCESS }
+    if message.use_stderr() { failure::BAD_INPUT } else { failure::SUCCESS }
 }
 
 /// The sequence file that takes the place of the command.

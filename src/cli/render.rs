@@ -272,7 +272,7 @@ fn failure(error: RenderError, outputs: &[Output], quiet: bool) -> Failure {
         (false, false) => Continuation::MissingFrames(&rest),
         (false, true) => Continuation::StartOver,
     };
-    let message = signals::stop_message(done, &files, std::env::args_os(), continuation);
+    let message = signals::stop_message(done, &files, super::arguments().into_iter(), continuation);
     Failure::Stopped { signal, message }
 }
 

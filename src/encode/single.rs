@@ -10,8 +10,13 @@ use crate::base::cancel::Stop;
 use std::io;
 use std::path::Path;
 
-/// Writes a picture as a still of 8 bits per channel.
-pub fn write_picture(output: &Output, picture: &Picture, formats: Formats) -> Result<(), EncodeError> {
+/// Writes a picture as a still of 8 bits per channel, into the output's file for a frame.
+pub fn write_picture(
+    output: &Output,
+    frame: u32,
+    picture: &Picture,
+    formats: Formats,
+) -> Result<(), EncodeError> {
     let bytes = match output {
         Output::Stills(StillFormat::Png, _) => png::encode(picture, &[]),
         Output::Stills(StillFormat::Jpeg, _) => jpeg::encode(picture, formats.jpeg.quality),
@@ -20,7 +25,7 @@ pub fn write_picture(output: &Output, picture: &Picture, formats: Formats) -> Re
             return Err(JobError::NoPicture { output: output.to_string() }.into());
         }
     };
-    AtomicFile::with_encoded(&output.path(0), bytes, &Stop::default())?.commit()
+    AtomicFile::with_encoded(&output.path(frame), bytes, &Stop::default())?.commit()
 }
 
 /// Writes a picture as a PNG file. The file appears complete or not at all.

@@ -241,7 +241,7 @@ pub fn assemble(request: &AssembleRequest) -> Result<Report, RenderError> {
         let picture = sheet.finish();
         report.notes.extend(request.text.missing_glyphs_note(&about.name));
         for strip in &strips {
-            write_picture(strip, &picture, request.formats)?;
+            write_picture(strip, 0, &picture, request.formats)?;
             report.files.push(strip.name().to_owned());
         }
     }

@@ -95,7 +95,7 @@ pub fn filmstrip(
     let files = vec![request.output.name().to_owned()];
     let mut report = Report { files, ..Report::default() };
     if let Some(cells) = frames.into_sink() {
-        write_picture(&request.output, &cells.sheet.finish(), sequence.output.formats)?;
+        write_picture(&request.output, 0, &cells.sheet.finish(), sequence.output.formats)?;
         report.noise = cells.noise;
     }
     report.notes.extend(request.text.missing_glyphs_note(&sequence.name));

@@ -38,6 +38,14 @@ pub fn for_sheet((width, height): (u32, u32)) -> u64 {
     (u64::from(width) * u64::from(height)).saturating_mul(SHEET)
 }
 
+/// Bytes of pictures that a program keeps in memory, with their radiance if that is requested.
+pub fn for_pictures(sequence: &Sequence, count: usize, radiance: bool) -> u64 {
+    let (width, height) = sequence.output.size;
+    let codes = if sequence.output.transparent { 4 } else { 3 };
+    let pixel = codes + if radiance { size_of::<Rgb>() as u64 } else { 0 };
+    (u64::from(width) * u64::from(height)).saturating_mul(pixel).saturating_mul(count as u64)
+}
+
 /// Divisor of the free memory. The quotient is the default size of the film cache.
 const SHARE: u64 = 4;
 

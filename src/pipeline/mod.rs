@@ -12,3 +12,4 @@ pub mod render;
 pub mod time_limit;
 pub mod filmstrip;
 pub mod assemble;
+pub mod pictures;

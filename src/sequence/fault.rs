@@ -91,6 +91,14 @@ impl Fault {
         }
     }
 
+    /// The field's name, if the fault is a value that a field does not accept.
+    pub fn field(&self) -> Option<&str> {
+        match &self.title {
+            Title::Expected { field, .. } => field.as_deref(),
+            Title::Text(_) => None,
+        }
+    }
+
     /// The first line of the message.
     pub fn title(&self) -> String {
         match &self.title {

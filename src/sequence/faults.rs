@@ -19,6 +19,22 @@ pub struct Faults {
     copies: Vec<usize>,
 }
 
+/// The place of a fault, and what is wrong there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[warn(missing_docs)]
+pub struct FaultPlace {
+    /// The file as messages name it: an included file has its own name.
+    pub file: String,
+    /// The line, counted from 1.
+    pub line: usize,
+    /// The character within the line, counted from 1.
+    pub column: usize,
+    /// The field whose value is wrong, if the fault is one of a field's value.
+    pub field: Option<String>,
+    /// What was expected, and what was found.
+    pub message: String,
+}
+
 /// Maximum number of displayed faults. The others are counted.
 const SHOWN: usize = 100;
 
@@ -58,6 +74,23 @@ impl Faults {
     #[expect(clippy::len_without_is_empty, reason = "never empty")]
     pub fn len(&self) -> usize {
         self.faults.len()
+    }
+
+    /// The place of each fault and what is wrong there, in the order of the files.
+    pub fn places(&self) -> Vec<FaultPlace> {
+        let place = |fault: &Fault| {
+            let source = self.sources.of(fault.span.start);
+            let start = within(&fault.span, source).start;
+            let line = line_around(&source.text, start);
+            FaultPlace {
+                file: source.name.clone(),
+                line: source.line(fault.span.start),
+                column: source.text[line.start..start].chars().count() + 1,
+                field: fault.field().map(str::to_owned),
+                message: format!("{}: {}", fault.title(), fault.label),
+            }
+        };
+        self.faults.iter().map(place).collect()
     }
 
     /// The faults as text for a terminal, with or without ANSI colours.

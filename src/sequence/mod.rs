@@ -90,7 +90,7 @@ mod version;
 mod words;
 
 pub use convert::{converted, converted_text};
-pub use faults::Faults;
+pub use faults::{FaultPlace, Faults};
 pub use fmt::{Formatted, formatted, formatted_text};
 pub use json::is_json;
 pub use layers::LightLayers;

@@ -322,3 +322,14 @@ fn key_times_may_be_fractions_of_frames() {
     let Animated::Keyed(ambient) = read(text).ambient else { panic!("keys") };
     assert_eq!(ambient.keys()[0].time, seconds(1001, 48000));
 }
+
+#[test]
+fn places_of_faults_are_for_programs() {
+    let text = "(\n    quality: (samples: 0),\n    lights: { \"\u{e4}\": Point(positon: (0, 1, 2)) },\n)";
+    let places = crate::sequence::parse("dir/test.ron", text).expect_err("faults").places();
+    let found: Vec<_> =
+        places.iter().map(|place| (&*place.file, place.line, place.column, place.field.as_deref())).collect();
+    let at = |line, column| ("dir/test.ron", line, column, None);
+    assert_eq!(found, [("dir/test.ron", 2, 24, Some("samples")), at(3, 20), at(3, 26)]);
+    assert!(places[0].message.contains("expected") && places[2].message.contains("positon"), "{places:?}");
+}

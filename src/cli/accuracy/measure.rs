@@ -13,7 +13,7 @@ use crate::cli::frame_selection::selected_frames;
 use crate::cli::loading::LoadingReporter;
 use crate::cli::progress::ProgressMode;
 use crate::cli::shell::quote;
-use crate::cli::{load, terminal, values};
+use crate::cli::{arguments, load, terminal, values};
 use crate::encode::{EncodeError, png_bytes, write_file};
 use clap::Args;
 use std::ffi::OsString;
@@ -110,7 +110,7 @@ pub fn run(options: &MeasureOptions, quick: bool) -> Result<(), Failure> {
         let _ = new.then(|| std::fs::remove_dir(&folder));
     })?;
     reporter.finish();
-    let origin = origin(file, std::env::args_os());
+    let origin = origin(file, arguments().into_iter());
     let report = write(&folder, &measured, &origin)?;
     if options.quiet {
         return Ok(());

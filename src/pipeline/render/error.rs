@@ -14,6 +14,8 @@ use std::path::PathBuf;
 pub enum MemoryUse {
     Picture,
     Filmstrip,
+    /// All pictures of a run at the same time.
+    Pictures,
     /// Pictures of several settings that are compared.
     Measurement,
 }
@@ -104,6 +106,9 @@ impl Display for RenderError {
                     MemoryUse::Filmstrip => {
                         ("the filmstrip needs", "show fewer frames, or make them smaller, such as 320x200")
                     }
+                    MemoryUse::Pictures => {
+                        ("all pictures together need", "render fewer frames at a time, or smaller ones")
+                    }
                     MemoryUse::Measurement => (
                         "to compare pictures of this size needs",
                         "measure smaller ones with --size, such as 320x200, or fewer frames",
@@ -133,6 +138,7 @@ mod tests {
         for (what, parts) in [
             (MemoryUse::Picture, ["the picture", "--size", "--draft"]),
             (MemoryUse::Filmstrip, ["the filmstrip", "fewer frames", "320x200"]),
+            (MemoryUse::Pictures, ["all pictures", "fewer frames", "smaller"]),
             (MemoryUse::Measurement, ["to compare", "--size", "fewer frames"]),
         ] {
             let text = RenderError::TooLarge { what, needed: 48_000_000_000, available: 8_100_000_000 };
