@@ -29,7 +29,7 @@ LONG = BALL.replace("frames: 6", "frames: 100000").replace("(3, (1", "(99999, (1
 class Progress(unittest.TestCase):
     def test_a_function_hears_of_every_frame_once_at_most(self):
         heard = []
-        kinora.render(BALL, size=(160, 90), antialias=8, progress=lambda *counts: heard.append(counts))
+        kinora.render(BALL, size=(64, 36), antialias=3, progress=lambda *counts: heard.append(counts))
         self.assertEqual(heard[-1], (6, 6))
         self.assertEqual(heard, sorted(set(heard)))
 
@@ -56,7 +56,7 @@ class Progress(unittest.TestCase):
         try:
             start = counted[0]
             began = time.monotonic()
-            kinora.render(BALL, size=(320, 180), antialias=8, threads=1)
+            kinora.render(BALL, size=(96, 54), antialias=4, threads=1)
             took = time.monotonic() - began
             self.assertGreater(counted[0] - start, 20 * took)
         finally:

@@ -3,8 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const DOCUMENTS: [&str; 5] =
-    ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md", "sequences/README.md"];
+const DOCUMENTS: [&str; 6] = [
+    "README.md",
+    "ARCHITECTURE.md",
+    "CONTRIBUTING.md",
+    "SECURITY.md",
+    "sequences/README.md",
+    "python/README.md",
+];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -110,6 +116,32 @@ fn named_files_exist() {
     assert!(missing.is_empty(), "the documents name files that do not exist:\n{}", missing.join("\n"));
 }
 
+/// The wheel has a manifest of its own, which cargo would give other profiles and lints.
+#[test]
+fn the_wheel_is_built_as_the_command() {
+    let read = |path: &str| -> toml::Table {
+        fs::read_to_string(root().join(path)).expect("a manifest").parse().expect("TOML")
+    };
+    let (own, wheel) = (read("Cargo.toml"), read("python/Cargo.toml"));
+    assert_eq!(own["workspace"]["lints"], wheel["lints"]);
+    for name in ["archive", "quick"] {
+        assert_eq!(own["profile"][name], wheel["profile"][name]);
+    }
+    let release = |manifest: &toml::Table| {
+        let mut release = manifest["profile"]["release"].as_table().expect("a profile").clone();
+        let packages = release.remove("package").expect("packages");
+        (release, packages.as_table().expect("a table of packages").clone())
+    };
+    let ((own, packages), (wheel, of_wheel)) = (release(&own), release(&wheel));
+    assert_eq!(own, wheel);
+    // The wheel has no packages for tests.
+    let lockfile = fs::read_to_string(root().join("python/Cargo.lock")).expect("a lockfile");
+    for (package, settings) in packages {
+        let is_in_wheel = lockfile.contains(&format!("name = \"{package}\"\n"));
+        assert_eq!(of_wheel.get(&package), is_in_wheel.then_some(&settings), "{package}");
+    }
+}
+
 /// A release sets its version in several files.
 #[test]
 fn versions_agree() {
@@ -117,6 +149,8 @@ fn versions_agree() {
     for (file, line) in [
         ("CITATION.cff", format!("version: {version}")),
         ("derive/Cargo.toml", format!("version = \"{version}\"")),
+        ("python/Cargo.toml", format!("version = \"{version}\"")),
+        ("python/Cargo.toml", format!("kinora = {{ path = \"..\", version = \"{version}\" }}")),
         ("Cargo.toml", format!("kinora-derive = {{ path = \"derive\", version = \"{version}\" }}")),
     ] {
         let text = fs::read_to_string(root().join(file)).expect(file);
