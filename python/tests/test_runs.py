@@ -87,7 +87,8 @@ class Interrupts(unittest.TestCase):
     def test_finished_files_remain(self):
         with tempfile.TemporaryDirectory() as folder:
             def refuse(done, total):
-                if done >= 2:
+                # Frames that are traced together count before their files appear.
+                if os.path.exists(os.path.join(folder, "f_00001.png")):
                     raise LookupError("enough")
 
             with self.assertRaises(LookupError):
