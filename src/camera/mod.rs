@@ -4,7 +4,10 @@
 //! Out: cameras, their rays, and the moments of a frame.
 //! May use: `base`, `sampling`, `track`.
 
+mod cuts;
 pub mod path;
+
+pub use cuts::{CameraCuts, CrossFade};
 
 use crate::base::digest::Content;
 use crate::base::lanes::{Real, Vec3};

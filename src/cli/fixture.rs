@@ -49,7 +49,7 @@ pub fn sequence() -> Sequence {
         fog: None,
         ambient: Constant(Rgb::ZERO),
         cameras: vec![Named { name: "camera".into(), value: camera }],
-        active_camera: Constant(0),
+        active_camera: 0.into(),
         lights: vec![Named { name: "light".into(), value: light }],
         materials: Vec::new(),
         objects: Vec::new(),

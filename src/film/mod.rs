@@ -5,6 +5,7 @@
 //! May use: `base`, `sampling`.
 
 mod aov;
+mod mix;
 pub mod filter;
 mod noise;
 #[cfg(test)]

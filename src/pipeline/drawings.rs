@@ -119,9 +119,10 @@ impl<'a> Illustrator<'a> {
         drawing(&self.annotations, &view)
     }
 
-    /// The camera at the start of a frame. What is in focus does not matter.
+    /// The camera at the start of a frame: in a cross-fade, the one with the larger share. What is in focus does not
+    /// matter.
     fn camera(&self, clock: &Clock) -> Option<Camera> {
-        let index = self.sequence.active_camera.at(clock.start).min(self.cameras.len() - 1);
+        let index = self.sequence.active_camera.leading(clock.start).min(self.cameras.len() - 1);
         self.cameras[index].at(clock, None).ok()
     }
 

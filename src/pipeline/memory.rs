@@ -22,7 +22,9 @@ pub fn needed(sequence: &Sequence, aovs: AovSet) -> u64 {
     let layers = sequence.layers() + aovs.layers() as u64;
     // Films that share samples have weighted sums.
     let sums = if sequence.quality.shares_views() { sums.max(bytes_of_sums(1, layers)) } else { sums };
-    let pixel = layers.saturating_mul(size_of::<Rgb>() as u64 * FILMS + sums).saturating_add(BESIDES);
+    // The films of both cameras of a cross-fade are kept until the next frame, besides their mean.
+    let films = if sequence.active_camera.fades() { FILMS + 3 } else { FILMS };
+    let pixel = layers.saturating_mul(size_of::<Rgb>() as u64 * films + sums).saturating_add(BESIDES);
     // Sampling towards an error target keeps more data per pixel.
     let rounds = if sequence.quality.noise.is_some() { bytes_of_pixel(layers) } else { 0 };
     let pixel = pixel.saturating_add(rounds);

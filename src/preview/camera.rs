@@ -104,10 +104,11 @@ impl ViewCamera {
 
     /// Changes the field of view: the height of the picture by a factor.
     pub fn zoom(&mut self, factor: f64) {
-        // Up to a field of view of 175 degrees.
-        let (Projection::Perspective { half_height } | Projection::Orthographic { half_height }) =
-            &mut self.pose.projection;
-        *half_height = (*half_height * factor).clamp(1e-4, 22.9);
+        match &mut self.pose.projection {
+            Projection::Perspective { half_height } => *half_height = field_of_view(*half_height * factor),
+            // A length in the world, which may have any size.
+            Projection::Orthographic { half_height } => *half_height *= factor,
+        }
     }
 
     /// Switches between perspective and parallel rays. The target keeps its size in the picture.
@@ -118,7 +119,7 @@ impl ViewCamera {
                 Projection::Orthographic { half_height: half_height * distance }
             }
             Projection::Orthographic { half_height } => {
-                Projection::Perspective { half_height: (half_height / distance).clamp(1e-4, 22.9) }
+                Projection::Perspective { half_height: field_of_view(half_height / distance) }
             }
         };
     }
@@ -195,6 +196,11 @@ impl ViewCamera {
     }
 }
 
+/// The half height of a perspective picture at distance 1, between fields of view of 0.01 and 175 degrees.
+fn field_of_view(half_height: f64) -> f64 {
+    half_height.clamp(1e-4, 22.9)
+}
+
 fn vector(v: DVec3) -> String {
     format!("({}, {}, {})", number(v.x), number(v.y), number(v.z))
 }
@@ -266,6 +272,16 @@ mod tests {
             "{:?}",
             view.pose.position
         );
+    }
+
+    #[test]
+    fn parallel_pictures_zoom_at_any_size() {
+        let (mut view, _) = camera("position: (0, 0, 900), projection: Orthographic(height: 800)");
+        view.zoom(1.5);
+        assert!(view.fields(UpAxis::Y).contains(&("projection", "Orthographic(height: 1200)".to_owned())));
+        view.switch_projection();
+        view.zoom(1e9);
+        assert!(view.is_parallel() || view.fov().0 < 175.1, "{:?}", view.fov());
     }
 
     #[test]

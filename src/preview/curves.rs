@@ -75,7 +75,7 @@ struct Curves<'a> {
 pub fn curves(sequence: &Sequence) -> Value {
     let mut all = Curves { timeline: &sequence.timeline, tracks: Vec::new(), hidden: 0 };
     let several = sequence.cameras.len() > 1;
-    all.add("active camera", &["camera"], &sequence.active_camera);
+    all.add("active camera", &["camera"], &sequence.active_camera.active);
     for camera in &sequence.cameras {
         let name = camera.name.as_str();
         let label = if several { format!("camera {name}") } else { "camera".to_owned() };

@@ -5,8 +5,8 @@ use super::fault::Fault;
 use super::source_file::File;
 use super::suggest::shortened;
 use crate::base::time::{Clock, Time, Timeline};
+use crate::camera::CameraCuts;
 use crate::camera::path::{CameraPath, NoCamera, moments};
-use crate::track::Animated;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::ops::Range;
@@ -20,7 +20,7 @@ const BLOCK: u32 = 1 << 13;
 /// The cameras to check.
 pub struct CheckedCameras<'a> {
     pub list: &'a [Named<CameraPath>],
-    pub active: &'a Animated<usize>,
+    pub active: &'a CameraCuts,
     /// Place of each camera in the file.
     pub places: &'a [Range<usize>],
 }
@@ -38,13 +38,13 @@ pub fn report_blind_cameras(
         file.push(fault);
         return;
     }
-    let looked_through: HashSet<usize> = cameras.active.values().copied().collect();
+    let looked_through: HashSet<usize> = cameras.active.active.values().copied().collect();
     let mut left = looked_through.len();
     let mut done = vec![false; cameras.list.len()];
     for first in (0..timeline.frames).step_by(BLOCK as usize) {
         let block = first..timeline.frames.min(first.saturating_add(BLOCK));
         let check_frame = |frame| check_frame(frame, timeline, steps, cameras, &done);
-        let found: Vec<Finding> = block.into_par_iter().filter_map(check_frame).collect();
+        let found: Vec<Finding> = block.into_par_iter().flat_map_iter(check_frame).collect();
         for Finding { frame, camera, blind } in found {
             if std::mem::replace(&mut done[camera], true) {
                 continue;
@@ -71,15 +71,26 @@ struct Finding {
     blind: Option<(Time, NoCamera)>,
 }
 
-/// Checks a frame's camera unless it is done. Returns a finding if the camera needs no more checks.
-fn check_frame(
+/// Checks a frame's cameras unless they are done. Returns a finding for each camera that needs no more checks.
+fn check_frame<'a>(
+    frame: u32,
+    timeline: &'a Timeline,
+    steps: u32,
+    cameras: &'a CheckedCameras<'_>,
+    done: &'a [bool],
+) -> impl Iterator<Item = Finding> + 'a {
+    let shown = cameras.active.cameras(timeline.clock(frame).start);
+    shown.filter_map(move |index| check_camera(index, frame, timeline, steps, cameras, done))
+}
+
+fn check_camera(
+    index: usize,
     frame: u32,
     timeline: &Timeline,
     steps: u32,
     cameras: &CheckedCameras<'_>,
     done: &[bool],
 ) -> Option<Finding> {
-    let index = cameras.active.at(timeline.clock(frame).start);
     let camera = &cameras.list.get(index).filter(|_| !done[index])?.value;
     // All moments of a static camera are equal.
     let still = camera.is_still();

@@ -10,7 +10,7 @@ use super::expand::OWN_FIELDS;
 use super::fault::Fault;
 use super::fields::Fields;
 use super::fog::fog;
-use super::keys::keyed;
+use super::keys::{interval, keyed};
 use super::layers::{EmitterPlaces, report_too_many_layers};
 use super::light::light;
 use super::names::{Names, decoded, entries, named, places_of};
@@ -29,6 +29,8 @@ use super::{Named, Object, Sequence, json};
 use crate::appearance::light::LightTracks;
 use crate::base::color::Rgb;
 use crate::base::math::UpAxis;
+use crate::base::time::Time;
+use crate::camera::CameraCuts;
 use crate::camera::path::CameraPath;
 use crate::sequence::quality::Quality;
 use crate::track::Animated;
@@ -127,7 +129,7 @@ fn lights(node: Node<'_>, places: &mut Vec<Range<usize>>) -> Option<Vec<Named<Li
 /// The cameras, and their places in the file.
 struct Cameras {
     list: Vec<Named<CameraPath>>,
-    active: Animated<usize>,
+    active: CameraCuts,
     places: Vec<Range<usize>>,
 }
 
@@ -166,7 +168,7 @@ fn cameras(
     let further = carried.iter().map(|camera| camera.name.as_str());
     let single_name = (fields.has("camera") && !carried.is_empty()).then_some(SINGLE);
     let names = Names::new("camera", &several).and(0, single_name.into_iter()).and(own, further);
-    let active = fields.or("active_camera", keyed(|node| names.index(node)), 0usize);
+    let active = active_camera(fields, &names);
     let places = places_of(&several);
     let (list, places) = match (single?, list?) {
         (None, Some(list)) => (list, places),
@@ -178,6 +180,31 @@ fn cameras(
     let list: Vec<_> = list.into_iter().chain(carried).collect();
     let places = places.into_iter().chain(carried_places).collect();
     Some(Cameras { list, active: active?, places })
+}
+
+/// Decodes the active camera and the length of cross-fades.
+fn active_camera(fields: &mut Fields<'_>, names: &Names<'_>) -> Option<CameraCuts> {
+    let place = fields.place("cross_fade");
+    let active = fields.or("active_camera", keyed(|node| names.index(node)), 0usize);
+    let fade = fields.optional("cross_fade", interval)?.unwrap_or(Time::from_integer(0));
+    let active = active?;
+    let cuts: Vec<Time> = match &active {
+        Animated::Constant(_) => Vec::new(),
+        Animated::Keyed(track) => {
+            let pairs = track.keys().windows(2).filter(|pair| pair[0].value != pair[1].value);
+            pairs.map(|pair| pair[1].time).collect()
+        }
+    };
+    if let Some(pair) = cuts.windows(2).find(|pair| pair[1] - pair[0] < fade) {
+        let [first, second] = [pair[0], pair[1]].map(|time| *time.numer() as f64 / *time.denom() as f64);
+        let title = format!("the cuts at {first} s and {second} s are nearer than a cross-fade is long");
+        let fault = Fault::new(place, title, "too long");
+        fields
+            .node()
+            .fault(fault.help("write a shorter `cross_fade`, or move the keys of `active_camera` apart"));
+        return None;
+    }
+    Some(CameraCuts { active, fade })
 }
 
 /// The name of a camera without a name.

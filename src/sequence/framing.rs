@@ -76,7 +76,9 @@ impl<'a> Framing<'a> {
         let frame = camera.frame.as_ref()?;
         let objects = framed(&sequence.objects, &frame.objects);
         let timeline = &sequence.timeline;
-        let shown = |frame: &u32| sequence.active_camera.at(timeline.clock(*frame).start) == index;
+        let shown = |frame: &u32| {
+            sequence.active_camera.cameras(timeline.clock(*frame).start).any(|shown| shown == index)
+        };
         let shown: Vec<u32> = (0..timeline.frames).filter(shown).collect();
         let frames = if shown.is_empty() { (0..timeline.frames).collect() } else { shown };
         let mut framing = Self { sequence, camera, margin: frame.margin, objects, frames, boxes: false };

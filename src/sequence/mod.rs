@@ -111,6 +111,7 @@ use crate::appearance::material::{MaterialBinding, MaterialTracks};
 use crate::base::color::Rgb;
 use crate::base::math::UpAxis;
 use crate::base::time::Timeline;
+use crate::camera::CameraCuts;
 use crate::camera::path::CameraPath;
 use crate::encode::{Formats, Output, Tonemap};
 use crate::geometry::ray_kinds::RayVisibility;
@@ -141,8 +142,8 @@ pub struct Sequence {
     pub ambient: Animated<Rgb>,
     /// At least one.
     pub cameras: Vec<Named<CameraPath>>,
-    /// Index of the active camera.
-    pub active_camera: Animated<usize>,
+    /// The active camera, and how long cuts take.
+    pub active_camera: CameraCuts,
     /// The lights over time.
     pub lights: Vec<Named<LightTracks>>,
     /// The materials over time. Objects refer to them by index.

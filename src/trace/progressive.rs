@@ -10,6 +10,7 @@ use crate::base::cancel::Stop;
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 use crate::base::stats::{Counts, RayCounts};
+use crate::camera::Camera;
 use crate::film::{AovSet, Film, LayerId, lit};
 use crate::scene::Scene;
 use crate::scene::top_level::Bvh;
@@ -140,18 +141,25 @@ impl ProgressiveFilm {
         }
     }
 
-    /// Traces the samples of one moment up to a stage. The last moment completes it.
+    /// Traces the samples of one moment up to a stage. The last moment completes it. In a cross-fade, `before` is the camera
+    /// before the cut, with its share of the light.
     pub fn trace(
         &mut self,
-        scene: &Scene,
+        (scene, before): (&Scene, Option<(&Camera, f64)>),
         bvh: &Bvh,
         settings: &TraceSettings,
         (moment, random): (Moment, bool),
         goal: Refinement,
         stop: &Stop,
     ) -> (StageEnd, Counts) {
-        let mut pixels = PixelTracer::new(scene, bvh, settings, moment);
-        pixels.random = random;
+        let other = before.map(|(camera, share)| (Scene { camera, ..*scene }, share));
+        let tracer = |scene| {
+            let mut pixels = PixelTracer::new(scene, bvh, settings, moment);
+            pixels.random = random;
+            pixels
+        };
+        let other = other.as_ref().map(|(scene, share)| (tracer(scene), *share));
+        let pixels = FadedPixels { pixels: tracer(scene), before: other };
         let last = moment.index + 1 == moment.of;
         let counts = self.tiles.par_iter_mut().map(|tile| tile.trace(&pixels, goal, last, stop));
         let counts = counts.reduce(Counts::default, |mut a, b| {
@@ -267,13 +275,14 @@ impl Tile {
         Self { places, ends, first: Vec::new(), sums, steps: 0, drawn: 0 }
     }
 
-    /// Traces the samples up to a stage that belong to the moment of `pixels`.
-    fn trace(&mut self, pixels: &PixelTracer, goal: Refinement, last: bool, stop: &Stop) -> Counts {
+    /// Traces the samples up to a stage that belong to the moment of `faded`.
+    fn trace(&mut self, faded: &FadedPixels, goal: Refinement, last: bool, stop: &Stop) -> Counts {
+        let pixels = &faded.pixels;
         let (mut counts, layers) = (Counts::default(), pixels.layers());
         let seed = pixels.context.quality.seed;
         let mut add = |places: Range<usize>, samples: Range<u32>| {
             let sums = &mut self.sums[places.start * layers..places.end * layers];
-            counts += pixels.add(&self.places[places], &SampleSet { samples, seed }, sums);
+            counts += faded.add(&self.places[places], &SampleSet { samples, seed }, sums);
         };
         for step in self.steps..goal.steps {
             if stop.signal().is_some() {
@@ -297,6 +306,27 @@ impl Tile {
         }
         if last {
             (self.steps, self.drawn) = (goal.steps, if goal.steps == STRIDES.len() { drawn } else { 1 });
+        }
+        counts
+    }
+}
+
+/// Pixels of one camera, or of two whose light is mixed.
+struct FadedPixels<'a> {
+    pixels: PixelTracer<'a>,
+    /// The other camera, with its share.
+    before: Option<(PixelTracer<'a>, f64)>,
+}
+
+impl FadedPixels<'_> {
+    /// [`PixelTracer::add`] of the weighted mean.
+    fn add(&self, places: &[(u32, u32)], set: &SampleSet, sums: &mut [DVec3]) -> Counts {
+        let Some((before, share)) = &self.before else { return self.pixels.add(places, set, sums) };
+        let mut counts = Counts::default();
+        for (pixels, share) in [(before, *share), (&self.pixels, 1.0 - share)] {
+            let mut part = vec![DVec3::ZERO; sums.len()];
+            counts += pixels.add(places, set, &mut part);
+            sums.iter_mut().zip(part).for_each(|(sum, part)| *sum += part * share);
         }
         counts
     }

@@ -179,7 +179,7 @@ pub fn camera(
     placed: Query<(&Shape, &Transform)>,
     mut camera: ResMut<Current<Option<Camera>>>,
 ) -> Result<(), NoCamera> {
-    let index = active.index.at(now.0.start).min(active.cameras.len() - 1);
+    let index = active.only.unwrap_or_else(|| active.cuts.at(now.0.start)).min(active.cameras.len() - 1);
     let Ok(path) = paths.get(active.cameras[index]) else { return Ok(()) };
     let sharp = path.focus_object().and_then(|index| placed.get(*objects.0.get(index)?).ok());
     let sharp = sharp.map(|(shape, transform)| center(shape, transform));

@@ -2,7 +2,7 @@
 
 use crate::appearance::light_groups::GroupRadiance;
 use crate::base::time::Clock;
-use crate::track::Animated;
+use crate::camera::CameraCuts;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::resource::Resource;
 
@@ -45,11 +45,13 @@ pub struct Objects(pub Vec<Entity>);
 #[derive(Clone, Copy, Debug, Resource)]
 pub struct SlotCount(pub u32);
 
-/// The cameras in the file's order, and the index of the active one over time.
+/// The cameras in the file's order, and which of them is active over time.
 #[derive(Clone, Debug, Resource)]
 pub struct ActiveCamera {
     pub cameras: Vec<Entity>,
-    pub index: Animated<usize>,
+    pub cuts: CameraCuts,
+    /// The camera to use at all times instead: one of two that show a frame together.
+    pub only: Option<usize>,
 }
 
 /// The ambient light, and the number of light layers of the film.

@@ -121,7 +121,7 @@ fn spawn_materials(world: &mut World, layers: &LightLayers, sequence: &Sequence)
 fn spawn_cameras(world: &mut World, sequence: &Sequence) {
     let cameras =
         (0..sequence.cameras.len()).map(|index| world.spawn(sequence.fitted_camera(index)).id()).collect();
-    world.insert_resource(ActiveCamera { cameras, index: sequence.active_camera.clone() });
+    world.insert_resource(ActiveCamera { cameras, cuts: sequence.active_camera.clone(), only: None });
 }
 
 /// Spawns the objects where they are at the first moment. Only objects that may move keep their tracks: those with keys

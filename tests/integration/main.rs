@@ -35,6 +35,7 @@ mod gltf;
 mod annotations;
 mod background;
 mod counters;
+mod cross_fades;
 mod coverage;
 mod coincident;
 mod sheets;

@@ -36,6 +36,13 @@ impl Preview {
         fs::write(self.folder.path().join("a.ron"), text).expect("a disk");
     }
 
+    /// What `kinora check` says.
+    pub fn check(&self) -> String {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_kinora"));
+        let checked = command.args(["check", "a.ron"]).current_dir(self.folder.path()).output();
+        String::from_utf8_lossy(&checked.expect("a process").stderr).trim_end().to_owned()
+    }
+
     pub fn text(&self) -> String {
         fs::read_to_string(self.folder.path().join("a.ron")).expect("a file")
     }

@@ -64,6 +64,7 @@ fn edits(driver: &Driver, shots: &Path) {
     assert!(!before.is_null());
     preview.save(&text.replace("Sphere(center", "Sfere(center").replace("mirror: 0.12", "miror: 0.12"));
     driver.until("return !$('diagnostics').hidden && $('messages').textContent.includes('Sfere')");
+    assert_eq!(driver.run("return $('messages').textContent"), preview.check());
     driver.screenshot(&shots.join("mistake.png"));
     preview.save(&text);
     driver.until("return $('diagnostics').hidden && $('status').textContent === 'Picture complete'");
@@ -91,6 +92,19 @@ fn controls(driver: &Driver, shots: &Path) {
     driver.keys("p");
     driver.until("return state.parallel");
     driver.until(complete);
+    // The height of a parallel picture is a length in the world, of any size.
+    driver.keys("c");
+    driver.until("return $('copied').textContent.includes('Orthographic')");
+    let height = "return Number($('copied').textContent.match(/height: ([^)]+)/)[1])";
+    let before = driver.run(height).as_f64().unwrap_or_default();
+    driver.run("moveCamera({ move: 'zoom', factor: 1.5 })");
+    driver.until("return !busy.size");
+    driver.until(complete);
+    driver.run("$('copied').textContent = ''");
+    driver.keys("c");
+    driver.until("return $('copied').textContent.includes('Orthographic')");
+    let after = driver.run(height).as_f64().unwrap_or_default();
+    assert!(before > 100.0 && (after / before - 1.5).abs() < 1e-3, "{before} {after}");
     driver.keys("c");
     driver.until("return $('copied').textContent.startsWith('camera: (position: (')");
     driver.keys("--");

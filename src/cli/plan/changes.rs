@@ -38,6 +38,7 @@ fn subject_and_verb(sequence: &Sequence, part: AnimatedPart) -> (String, &'stati
     match part {
         AnimatedPart::Camera(index) => (named("camera", &cameras[index].name), "moves"),
         AnimatedPart::Cut => ("the active camera".to_owned(), "is another"),
+        AnimatedPart::CrossFade => ("the cross-fade of cameras".to_owned(), "goes on"),
         AnimatedPart::Object(index) => (named("object", &objects[index].name), "moves"),
         AnimatedPart::Material(index) => (material(&materials[index].name), "changes"),
         AnimatedPart::Light(index) => (named("light", &lights[index].name), "moves"),

@@ -240,6 +240,7 @@ fn view_obstacle(obstacle: ViewObstacle) -> &'static str {
         ViewObstacle::Lens => "the camera has a lens",
         ViewObstacle::Parallel => "the camera is orthographic",
         ViewObstacle::Shutter => "something moves while the shutter is open",
+        ViewObstacle::CrossFade => "two cameras show a frame in a cross-fade",
         ViewObstacle::Pattern => "a pattern is shown, which fades by the size of pixels",
         ViewObstacle::Filter => "the filter is narrower than a pixel",
         ViewObstacle::Gain => "hardly any directions are in several pictures",

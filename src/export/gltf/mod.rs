@@ -163,7 +163,7 @@ impl Exporter<'_> {
         if !sequence.annotations.is_empty() {
             left_out.note("the annotations");
         }
-        if sequence.active_camera.is_keyed() {
+        if sequence.active_camera.active.is_keyed() {
             left_out.note("cuts between cameras");
         }
     }

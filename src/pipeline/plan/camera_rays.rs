@@ -4,7 +4,7 @@ use crate::pipeline::schedule::FrameState;
 use crate::sequence::Sequence;
 use crate::trace::MIN_SAMPLES;
 
-/// Camera rays of a film. With a target error, this is the minimum.
+/// Camera rays of a film. With a target error, this is the minimum; in cross-fades, the maximum.
 pub fn camera_rays(sequence: &Sequence, state: &FrameState) -> u64 {
     let (width, height) = sequence.output.size;
     let quality = &sequence.quality;
@@ -13,5 +13,9 @@ pub fn camera_rays(sequence: &Sequence, state: &FrameState) -> u64 {
         Some(target) => target.most.min(MIN_SAMPLES),
         None => quality.samples,
     };
-    if state.fault.is_some() { 0 } else { u64::from(width) * u64::from(height) * u64::from(each) }
+    if state.fault.is_some() {
+        0
+    } else {
+        u64::from(width) * u64::from(height) * u64::from(each * state.parts())
+    }
 }

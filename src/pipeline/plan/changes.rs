@@ -14,6 +14,8 @@ pub enum AnimatedPart {
     Camera(usize),
     /// The choice of the active camera.
     Cut,
+    /// The share of the camera before a cut, and its view.
+    CrossFade,
     Object(usize),
     Material(usize),
     /// The place of a light.
@@ -41,7 +43,7 @@ impl AnimatedPart {
         match self {
             Self::Switch(_) | Self::Brightness(_) | Self::Emission(_) | Self::BackgroundBrightness => true,
             Self::Ambient | Self::FogColor | Self::Exposure => true,
-            Self::Camera(_) | Self::Cut | Self::Object(_) | Self::Material(_) => false,
+            Self::Camera(_) | Self::Cut | Self::CrossFade | Self::Object(_) | Self::Material(_) => false,
             Self::Light(_) | Self::Background | Self::Fog => false,
         }
     }
@@ -101,6 +103,14 @@ pub fn values(sequence: &Sequence, clock: &Clock) -> Vec<(AnimatedPart, Digest)>
         note(AnimatedPart::FogColor, &fog.split().1.at(clock.start));
     }
     note(AnimatedPart::Exposure, &sequence.output.exposure.at(clock.start));
+    if sequence.active_camera.fades() {
+        let fade = sequence.active_camera.cross_fade(clock.start);
+        let before = fade.and_then(|fade| {
+            let camera = sequence.cameras.get(fade.from)?.value.at(clock, None).ok();
+            Some((fade.share, camera))
+        });
+        note(AnimatedPart::CrossFade, &before);
+    }
     values
 }
 

@@ -21,9 +21,10 @@ pub struct RayEstimate {
     /// Camera rays: without and with shared films.
     pub camera_alone: u64,
     pub camera: u64,
-    /// Whether the number of camera rays with shared films is known. With a target error or shared views, it is a lower bound.
+    /// Whether the number of camera rays with shared films is known. With a target error or shared views, it is a lower bound; with cross-fades, an upper one.
     pub exact: bool,
-    /// Whether the number of camera rays without shared films is known. With a target error, it is a lower bound.
+    /// Whether the number of camera rays without shared films is known. With a target error, it is a lower bound;
+    /// with cross-fades, an upper one.
     pub exact_alone: bool,
     /// Whether films may share paths. Then the number of camera rays is an upper bound, or an estimate if pilots were
     /// traced.
@@ -81,7 +82,9 @@ impl RayEstimate {
         let camera_alone = states.iter().map(|state| camera_rays(sequence, state)).sum();
         let shares_views = !plan.view_groups.is_empty();
         let has_target = sequence.quality.noise.is_some() && states.iter().any(|state| state.random);
-        let (exact, exact_alone) = (!has_target && !shares_views, !has_target);
+        // A still camera may show the same light to several frames of a cross-fade.
+        let is_known = !has_target && states.iter().all(|state| state.faded.is_none());
+        let (exact, exact_alone) = (is_known && !shares_views, is_known);
         let shares_paths = (0..plan.films.len()).any(|film| plan.together(film) > 1);
         let (path_obstacle, rays_alone, rays) = (None, None, None);
         Self {

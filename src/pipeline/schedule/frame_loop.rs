@@ -1,5 +1,6 @@
 //! The frame loop: a sequence's world, driven from frame to frame.
 
+use super::cross_fade::FadedFilm;
 use super::frame_mark::FrameMark;
 use super::frame_state::FrameState;
 use super::frame_states::frame_states;
@@ -37,10 +38,13 @@ pub struct FrameLoop<S> {
     shutter: Shutter,
     /// Finds frames in which something moves while the shutter is open. None if no shutter ever opens.
     preview: Option<Preview>,
-    /// The sequence, if other frames affect the samples of a frame: with a target error, or if views share samples.
+    /// The sequence, if frames must be evaluated to be traced: with a target error or if views share samples, other frames
+    /// affect the samples of a frame; and cross-fades have two films.
     sampled: Option<Arc<Sequence>>,
     /// Where the measurement of the current frame began. None unless frames are reported.
     mark: Option<FrameMark>,
+    /// The films of the cameras that showed the last frame together.
+    pub(super) faded: Vec<FadedFilm>,
     sink: PhantomData<S>,
 }
 
@@ -71,7 +75,7 @@ impl<S: FilmSink> FrameLoop<S> {
         let (timeline, shutter) = (sequence.timeline, Shutter::new(sequence));
         let preview = sequence.blurs_motion().then(|| Preview::new(sequence));
         let quality = &sequence.quality;
-        let sampled = quality.noise.is_some() || quality.shares_views();
+        let sampled = quality.noise.is_some() || quality.shares_views() || sequence.active_camera.fades();
         let sampled = sampled.then(|| Arc::new(sequence.clone()));
         let mark = None;
         Self {
@@ -82,6 +86,7 @@ impl<S: FilmSink> FrameLoop<S> {
             preview,
             sampled,
             mark,
+            faded: Vec::new(),
             sink: PhantomData,
         }
     }
@@ -100,7 +105,8 @@ impl<S: FilmSink> FrameLoop<S> {
             return self.trace_alone(state).map(|_| ());
         }
         let still = self.preview.as_mut().is_none_or(|preview| preview.state(frame).moments == 1);
-        self.run(frame, still)
+        let moments = self.moments(frame, still);
+        self.run(&moments)
     }
 
     /// Renders an evaluated frame with the layers `lit`, which include all that it shows. Returns its film. None if the run
@@ -124,14 +130,23 @@ impl<S: FilmSink> FrameLoop<S> {
             self.world.resource_mut::<FilmInProgress>().kept = film.filter(|_| keep);
             return Ok(has_film);
         }
+        if let Some([from, to]) = &state.faded {
+            let film = self.trace_faded(state, [from, to], lit)?;
+            self.push_traced(state, &film, "traced")?;
+            self.world.resource_mut::<FilmInProgress>().kept = Some(film).filter(|_| keep);
+            return Ok(true);
+        }
+        self.faded.clear();
         self.world.insert_resource(TraceRequest {
             lit: Some(weights_of(state, lit)),
             weightings: Arc::clone(&state.weightings),
             own: state.own,
             keep,
+            is_part: false,
             only_prepare: false,
         });
-        let done = self.run(state.frame, state.moments == 1);
+        let moments = self.moments(state.frame, state.moments == 1);
+        let done = self.run(&moments);
         self.world.insert_resource(TraceRequest::default());
         done?;
         self.report(state.frame, "traced");
@@ -152,7 +167,12 @@ impl<S: FilmSink> FrameLoop<S> {
 
     /// The moments of a frame, or the first one only if all are equal.
     pub(super) fn moments(&self, frame: u32, still: bool) -> Vec<(Clock, Moment)> {
-        let mut moments = self.shutter.moments(&self.timeline, frame);
+        self.moments_of(self.shutter.cuts.at(self.timeline.clock(frame).start), frame, still)
+    }
+
+    /// [`FrameLoop::moments`] through one of the cameras.
+    pub(super) fn moments_of(&self, camera: usize, frame: u32, still: bool) -> Vec<(Clock, Moment)> {
+        let mut moments = self.shutter.moments_of(camera, &self.timeline, frame);
         if still {
             moments.truncate(1);
             moments.iter_mut().for_each(|(_, moment)| *moment = Moment::ONLY);
@@ -220,11 +240,10 @@ impl<S: FilmSink> FrameLoop<S> {
         pushed.map_err(FrameError::Encode)
     }
 
-    /// Runs the stages for every moment of a frame, or for the first moment only if all are equal.
-    fn run(&mut self, frame: u32, still: bool) -> Result<(), FrameError> {
-        let moments = self.moments(frame, still);
+    /// Runs the stages for these moments of a frame.
+    pub(super) fn run(&mut self, moments: &[(Clock, Moment)]) -> Result<(), FrameError> {
         loop {
-            for &(clock, moment) in &moments {
+            for &(clock, moment) in moments {
                 self.run_moment(clock, moment)?;
             }
             if !self.world.resource::<FilmInProgress>().needs_another_round() {

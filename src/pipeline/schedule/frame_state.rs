@@ -2,6 +2,7 @@
 
 use crate::base::color::Rgb;
 use crate::base::digest::Digest;
+use crate::camera::CrossFade;
 use crate::camera::path::NoCamera;
 use crate::film::{LayerId, lit};
 use crate::trace::{SharedViews, View, Weightings};
@@ -42,8 +43,22 @@ pub struct FrameState {
     /// Digests of the geometry at the first and the last moment, and the number of changes in between.
     pub geometry: (Digest, Digest),
     pub rebuilds: u32,
+    /// The cameras of a cross-fade, which have a film each: the ones before and after the cut.
+    pub faded: Option<[FadedView; 2]>,
     /// Why the frame cannot be traced.
     pub fault: Option<NoCamera>,
+}
+
+/// What one of two cameras of a frame shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FadedView {
+    /// Index of the camera.
+    pub camera: usize,
+    /// Its share of the frame, above 0 and below 1.
+    pub share: f64,
+    /// As the fields of [`FrameState`], if the camera alone showed the frame.
+    pub scene_hash: Digest,
+    pub moments: u32,
 }
 
 /// Why a frame does not share samples of views.
@@ -56,6 +71,8 @@ pub enum ViewObstacle {
     Parallel,
     /// Something moves while the shutter is open.
     Shutter,
+    /// Two cameras show the frame.
+    CrossFade,
     /// A pattern is shown, which fades by the size of pixels.
     Pattern,
     /// The filter is narrower than a pixel: most samples of other views would be in none.
@@ -75,6 +92,35 @@ pub struct FrameViews {
 }
 
 impl FrameState {
+    /// The state of a frame that two cameras show, from what it would be through each of them.
+    pub(super) fn faded(fade: CrossFade, from: Self, to: Self) -> Self {
+        let view = |state: &Self, camera, share| FadedView {
+            camera,
+            share,
+            scene_hash: state.scene_hash,
+            moments: state.moments,
+        };
+        let views = [view(&from, fade.from, 1.0 - fade.share), view(&to, fade.to, fade.share)];
+        Self {
+            scene_hash: Digest::of(&(from.scene_hash, to.scene_hash, fade.share)),
+            image_hash: Digest::of(&(from.image_hash, to.image_hash, fade.share)),
+            moments: from.moments.max(to.moments),
+            random: from.random || to.random,
+            surroundings: None,
+            viewpoint: None,
+            view_obstacle: Some(ViewObstacle::CrossFade),
+            rebuilds: from.rebuilds + to.rebuilds,
+            faded: Some(views),
+            fault: from.fault.or(to.fault),
+            ..to
+        }
+    }
+
+    /// The number of films that are traced for the frame.
+    pub fn parts(&self) -> u32 {
+        if self.faded.is_some() { 2 } else { 1 }
+    }
+
     /// Digest of the picture: equal digests mean equal radiance and exposure.
     pub fn digest(&self) -> Digest {
         Digest::of(&(self.image_hash, self.exposure))

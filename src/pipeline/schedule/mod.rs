@@ -4,6 +4,7 @@
 //! Out: films, passed to a [`FilmSink`]; frame states.
 //! Uses `world`, `scene`, `trace` and the rooms above. Only `systems` knows the order of the systems.
 
+mod cross_fade;
 mod film_settings;
 mod frame_loop;
 mod frame_mark;

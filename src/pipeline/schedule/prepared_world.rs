@@ -1,5 +1,6 @@
 //! A sequence's world with the systems up to Accelerate: what tracing needs, for those who trace in their own way.
 
+use super::cross_fade::look_through;
 use super::frame_state::FrameState;
 use super::shutter::Shutter;
 use super::stages::{CurrentMoment, FirstError, FrameError, FrameStage, Stopwatch, accelerate};
@@ -53,6 +54,16 @@ impl PreparedWorld {
             moments.iter_mut().for_each(|(_, moment)| *moment = Moment::ONLY);
         }
         moments
+    }
+
+    /// Makes a camera the active one at all times; None for the camera that the sequence chooses.
+    pub fn look_through(&mut self, camera: Option<usize>) {
+        look_through(&mut self.world, camera);
+    }
+
+    /// The active camera.
+    pub fn camera(&self) -> Option<Camera> {
+        self.world.get_resource::<Current<Option<Camera>>>()?.0
     }
 
     /// Runs the stages up to Accelerate.

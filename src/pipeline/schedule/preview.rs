@@ -1,5 +1,6 @@
 //! Evaluates frames without tracing.
 
+use super::cross_fade::look_through;
 use super::film_settings::FilmSettings;
 use super::frame_state::{FrameState, ViewObstacle};
 use super::shutter::Shutter;
@@ -93,7 +94,22 @@ impl Preview {
 
     /// Evaluates a frame without regard to other frames of the same film.
     pub fn state(&mut self, frame: u32) -> FrameState {
-        let moments = self.shutter.moments(&self.timeline, frame);
+        let time = self.timeline.clock(frame).start;
+        let Some(fade) = self.shutter.cuts.cross_fade(time) else {
+            return self.state_through(self.shutter.cuts.at(time), frame);
+        };
+        let through = |camera| {
+            look_through(&mut self.world, Some(camera));
+            self.state_through(camera, frame)
+        };
+        let [from, to] = [fade.from, fade.to].map(through);
+        look_through(&mut self.world, None);
+        FrameState::faded(fade, from, to)
+    }
+
+    /// Evaluates a frame through a camera, which is the active one.
+    fn state_through(&mut self, camera: usize, frame: u32) -> FrameState {
+        let moments = self.shutter.moments_of(camera, &self.timeline, frame);
         let mut found: Vec<MomentState> = Vec::with_capacity(moments.len());
         let (mut fault, mut geometry, mut rebuilds) = (None, None, 0);
         for &(clock, _) in &moments {
@@ -147,14 +163,20 @@ impl Preview {
             views: None,
             geometry: geometry.unwrap_or_default(),
             rebuilds,
+            faded: None,
             fault,
         }
     }
 
-    /// Calls `see` with the scene at a frame's first moment. None if the scene has no camera then.
+    /// Calls `see` with the scene at a frame's first moment; in a cross-fade, through the camera with the larger share.
+    /// None if the scene has no camera then.
     pub fn scene_of<T>(&mut self, frame: u32, see: impl FnOnce(&Scene) -> T) -> Option<T> {
-        let (clock, _) = *self.shutter.moments(&self.timeline, frame).first()?;
-        self.moment(clock).ok()?;
+        let camera = self.shutter.cuts.leading(self.timeline.clock(frame).start);
+        let (clock, _) = *self.shutter.moments_of(camera, &self.timeline, frame).first()?;
+        look_through(&mut self.world, Some(camera));
+        let moment = self.moment(clock);
+        look_through(&mut self.world, None);
+        moment.ok()?;
         let (geometry, shading) = (&self.current::<Geometry>()?.0, &self.current::<Shading>()?.0);
         let (weights, camera) = (&self.current::<Weights>()?.0, &self.current::<Option<Camera>>()?.0);
         Some(see(&Scene { geometry, shading, weights, camera: camera.as_ref()? }))

@@ -52,11 +52,19 @@ impl ProgressiveLoop {
             if stop.signal().is_some() {
                 return Ok((StageEnd::Stopped, counts));
             }
+            // In a cross-fade, the camera before the cut as well.
+            let faded = state.faded.as_ref().filter(|_| camera.is_none());
+            let before = match faded {
+                Some([from, _]) => Some((self.camera(from.camera, clock, moment)?, from.share)),
+                None => None,
+            };
             self.prepare(clock, moment)?;
             let Some((scene, bvh)) = self.world.scene(&weights) else { return Err(no_camera(state.frame)) };
             let scene = Scene { camera: camera.unwrap_or(scene.camera), ..scene };
             let random = state.random || camera.is_some_and(|camera| camera.lens.is_some());
-            let (end, traced) = film.trace(&scene, bvh, &self.world.settings, (moment, random), goal, stop);
+            let before = before.as_ref().map(|(camera, share)| (camera, *share));
+            let (end, traced) =
+                film.trace((&scene, before), bvh, &self.world.settings, (moment, random), goal, stop);
             counts += traced;
             if end == StageEnd::Stopped {
                 return Ok((end, counts));
@@ -80,6 +88,16 @@ impl ProgressiveLoop {
         let Some((scene, bvh)) = self.world.scene(&weights) else { return Err(no_camera(state.frame)) };
         let scene = Scene { camera: camera.unwrap_or(scene.camera), ..scene };
         Ok(see(&scene, bvh, &self.world.settings))
+    }
+
+    /// One of the cameras at a moment.
+    fn camera(&mut self, index: usize, clock: Clock, moment: Moment) -> Result<Camera, FrameError> {
+        self.prepared = None;
+        self.world.look_through(Some(index));
+        let prepared = self.world.prepare(clock, moment);
+        self.world.look_through(None);
+        prepared?;
+        self.world.camera().ok_or_else(|| no_camera(clock.frame))
     }
 
     fn prepare(&mut self, clock: Clock, moment: Moment) -> Result<(), FrameError> {

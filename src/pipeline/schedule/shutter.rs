@@ -1,6 +1,7 @@
 //! Motion blur: several moments of a frame while the shutter is open.
 
 use crate::base::time::{Clock, Timeline};
+use crate::camera::CameraCuts;
 use crate::camera::path::moments;
 use crate::sequence::Sequence;
 use crate::trace::Moment;
@@ -8,7 +9,7 @@ use crate::track::Animated;
 
 /// The shutters of all cameras, and the active camera over time.
 pub struct Shutter {
-    active: Animated<usize>,
+    pub cuts: CameraCuts,
     /// The open time of each camera, as a share of the time between two frames.
     open: Vec<Animated<f64>>,
     steps: u32,
@@ -17,15 +18,19 @@ pub struct Shutter {
 impl Shutter {
     pub fn new(sequence: &Sequence) -> Self {
         Self {
-            active: sequence.active_camera.clone(),
+            cuts: sequence.active_camera.clone(),
             open: sequence.cameras.iter().map(|camera| camera.value.shutter.clone()).collect(),
             steps: sequence.quality.shutter_steps,
         }
     }
 
-    /// The moments of a frame.
+    /// The moments of a frame; in a cross-fade, those of the camera after the cut.
     pub fn moments(&self, timeline: &Timeline, frame: u32) -> Vec<(Clock, Moment)> {
-        let camera = self.active.at(timeline.clock(frame).start);
+        self.moments_of(self.cuts.at(timeline.clock(frame).start), timeline, frame)
+    }
+
+    /// The moments of a frame through one of the cameras.
+    pub fn moments_of(&self, camera: usize, timeline: &Timeline, frame: u32) -> Vec<(Clock, Moment)> {
         let open = self.open.get(camera).unwrap_or(&Animated::Constant(0.0));
         let clocks = moments(open, self.steps, timeline, frame);
         let of = clocks.len() as u32;

@@ -138,6 +138,8 @@ pub struct TraceRequest {
     /// Index of this frame's weights.
     pub own: usize,
     pub keep: bool,
+    /// Whether the film is a part of a frame's film: then it is kept, and neither counted nor pushed.
+    pub is_part: bool,
     /// Whether to stop before Trace, because the scene is traced together with others.
     pub only_prepare: bool,
 }
@@ -291,13 +293,16 @@ pub fn trace_frame(
     };
     stats.counts += counts;
     let Some(film) = film else { return };
-    stats.traced += 1;
     let mut film = film.shown_as(request.own, &weights.0.0);
     film.expose(exposure.0.at(now.0.start));
     film.unfinished = progress.0.unfinished.load(Relaxed);
     in_progress.kept = request.keep.then(|| film.clone());
-    in_progress.film = Some(film);
     progress.0.thousandths.store(0, Relaxed);
+    if request.is_part {
+        return;
+    }
+    in_progress.film = Some(film);
+    stats.traced += 1;
     progress.0.frames.fetch_add(1, Relaxed);
 }
 

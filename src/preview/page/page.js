@@ -175,6 +175,16 @@ function isDone() {
   return state.stride === 1 && (state.samples >= state.most || reached);
 }
 
+/** Shows messages: help breaks at the margin, but columns of the file's text must stay below each other. */
+function showMessages(text) {
+  $("messages").replaceChildren(...text.split(/(?<=\n)/).map((line) => {
+    const part = document.createElement("span");
+    part.textContent = line;
+    if (/^ *= help: /.test(line) || /^(error|warning): /.test(line)) part.className = "wraps";
+    return part;
+  }));
+}
+
 function describe() {
   const bad = Boolean(state.diagnostics);
   if ($("diagnostics").hidden === bad) {
@@ -182,7 +192,7 @@ function describe() {
     $("stage").classList.toggle("beside", bad);
     paint();
   }
-  if (bad && $("messages").textContent !== state.diagnostics) $("messages").textContent = state.diagnostics;
+  if (bad && $("messages").textContent !== state.diagnostics) showMessages(state.diagnostics);
   if (!bad) $("messages").textContent = "";
   if (!state.size) { setStatus(bad ? "No picture yet" : "Loading …", bad); if (bad) $("empty").hidden = true; return; }
 

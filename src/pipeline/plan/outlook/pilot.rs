@@ -160,6 +160,9 @@ impl PilotRun<'_> {
             pilot.sample = warm.trace * (1.0 / (pixels * f64::from(grid)));
             pilot.rays = warm.rays as f64 / (pixels * f64::from(grid));
         }
+        // In a cross-fade, another camera sees the same scene.
+        let parts = f64::from(state.parts());
+        (pilot.sample, pilot.rays) = (pilot.sample * parts, pilot.rays * parts);
         Some(pilot)
     }
 

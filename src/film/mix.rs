@@ -1,0 +1,79 @@
+//! The mean of two films, for frames that two cameras show together.
+
+use super::{Film, Noise};
+use crate::base::color::Rgb;
+use std::sync::Arc;
+
+impl Film {
+    /// The weighted mean of two films of the same size with the same layers and weights: `share`, between 0 and 1, is that
+    /// of the other one. Light is linear, so this is what a film would hold that was exposed to both.
+    pub fn mixed_with(&self, other: &Self, share: f64) -> Self {
+        let mix = |(one, other): (&Rgb, &Rgb)| {
+            (one.as_dvec3() * (1.0 - share) + other.as_dvec3() * share).as_vec3()
+        };
+        let data = self.data.iter().zip(other.data.iter()).map(mix).collect();
+        let means = [(self, 1.0 - share), (other, share)].map(|(film, share)| share * film.mean());
+        let noise = |(one, other): (Noise, Noise)| one.mixed_with(other, means);
+        let noises = self.noises.iter().copied().zip(other.noises.iter().copied());
+        Self {
+            data: Arc::new(data),
+            noise: self.noise.zip(other.noise).map(noise),
+            noises: noises.map(noise).collect(),
+            unfinished: self.unfinished || other.unfinished,
+            ..self.clone()
+        }
+    }
+
+    /// The mean of the radiance over pixels and colours.
+    fn mean(&self) -> f64 {
+        let pixels = f64::from(self.width) * f64::from(self.height);
+        self.radiance().map(|light| f64::from(light.element_sum()) / 3.0).sum::<f64>() / pixels
+    }
+}
+
+impl Noise {
+    /// The noise of a weighted mean of two films. `means` are the means of the films times their weights: errors are
+    /// relative to them. The films may be sampled alike, so their errors may add up.
+    fn mixed_with(self, other: Self, means: [f64; 2]) -> Self {
+        let all = means[0] + means[1];
+        let [one, two] = means.map(|mean| if all > 0.0 { mean / all } else { 0.5 });
+        let sum = |a: f64, b: f64| one * a + two * b;
+        Self {
+            error: sum(self.error, other.error),
+            // If the errors are independent.
+            low: libm::hypot(one * self.low, two * other.low),
+            high: sum(self.high, other.high),
+            samples: self.samples + other.samples,
+            capped: self.capped.max(other.capped),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn film(value: f32, error: f64) -> Film {
+        let mut film = Film::new(2, 1, vec![Rgb::splat(2.0)]);
+        film.data_mut().fill(Rgb::splat(value));
+        let noise = Noise { error, low: error / 2.0, high: 2.0 * error, samples: 8.0, capped: 0.25 };
+        Film { noise: Some(noise), noises: [noise].into(), ..film }
+    }
+
+    #[test]
+    fn radiance_is_mixed_linearly() {
+        let mixed = film(1.0, 0.1).mixed_with(&film(5.0, 0.1), 0.25);
+        assert_eq!(mixed.radiance().collect::<Vec<_>>(), [Rgb::splat(4.0); 2]);
+        let infinite = film(1.0, 0.1).mixed_with(&film(f32::INFINITY, 0.1), 0.25);
+        assert_eq!(infinite.radiance_at(0), Rgb::splat(f32::INFINITY));
+    }
+
+    #[test]
+    fn errors_are_relative_to_the_mixed_light() {
+        // The second film gives 3 parts of 4 of the light, and all of the error.
+        let mixed = film(1.0, 0.0).mixed_with(&film(3.0, 0.04), 0.5);
+        let noise = mixed.noise.expect("noise");
+        assert!((noise.error - 0.03).abs() < 1e-12 && (noise.low - 0.015).abs() < 1e-12, "{noise:?}");
+        assert_eq!((noise.samples, noise.capped, mixed.noises.len()), (16.0, 0.25, 1));
+    }
+}
