@@ -16,7 +16,7 @@ const SCENE: &str = r##"(
     quality: (antialias: 2),
     cameras: { "a": (position: (0, 1, 6)), "b": (position: (5, 3, 2), shutter: 0) },
     active_camera: [(0, "a"), (0.5, "b")], cross_fade: 1,
-    lights: { "sun": Point(position: (4, 9, 5)), "lamp": Point(intensity: [(0, 0.5), (2, 0.1)]) },
+    lights: { "sun": Point(position: (4, 9, 5)), "lamp": Point(position: (-4, 3, 5), intensity: [(0, 0.5), (2, 0.1)]) },
     objects: {
         "floor": (shape: Plane(), material: (color: "#efe6d2")),
         "ball": (shape: Sphere(center: (0, 0.7, 0)), material: (color: "#d8341c", specular: 0.7)),
