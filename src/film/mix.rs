@@ -4,6 +4,7 @@ use super::{Film, Noise};
 use crate::base::color::Rgb;
 use std::sync::Arc;
 
+#[warn(missing_docs)]
 impl Film {
     /// The weighted mean of two films of the same size with the same layers and weights: `share`, between 0 and 1, is that
     /// of the other one. Light is linear, so this is what a film would hold that was exposed to both.

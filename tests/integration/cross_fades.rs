@@ -109,7 +109,7 @@ fn files_know_the_cross_fade() {
     let render = |options: &[&str]| {
         let answer = run(folder.path(), &[&["render", "a.ron"], options].concat());
         assert!(answer.status.success(), "{}", crate::command::stderr(&answer));
-        crate::command::stderr(&answer)
+        String::from_utf8_lossy(&answer.stdout).into_owned()
     };
     let bytes = |frame: u32| fs::read(folder.path().join(format!("f_{frame}.png"))).expect("a frame");
     write(SCENE);
