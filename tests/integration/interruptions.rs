@@ -225,16 +225,24 @@ fn a_removed_folder_ends_the_run_with_an_error() {
         assert!(child.try_wait().expect("a process").is_none(), "it has ended");
         thread::sleep(Duration::from_millis(2));
     }
-    // It cannot come again where a file stands.
-    fs::rename(&gone, &away).expect("a folder");
-    fs::write(&gone, "").expect("a disk");
+    // It cannot come again where a file stands. But it may come before the file does.
+    fs::create_dir(&away).expect("a disk");
+    let mut folders = Vec::new();
+    loop {
+        folders.push(away.join(folders.len().to_string()));
+        fs::rename(&gone, &folders[folders.len() - 1]).expect("a folder");
+        if fs::write(&gone, "").is_ok() {
+            break;
+        }
+    }
     let done = child.wait_with_output().expect("it ends");
     let printed = String::from_utf8_lossy(&done.stderr);
     assert_eq!(done.status.code(), Some(3), "{printed}");
     assert!(printed.contains("error: cannot write gone"), "{printed}");
-    let stills = contents(&away).into_keys().filter(|name| name.ends_with(".png"));
-    for name in stills {
-        assert!(image::open(away.join(&name)).is_ok(), "{name} is partial");
+    for folder in folders {
+        for name in contents(&folder).into_keys().filter(|name| name.ends_with(".png")) {
+            assert!(image::open(folder.join(&name)).is_ok(), "{name} is partial");
+        }
     }
 }
 
