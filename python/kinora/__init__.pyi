@@ -4,6 +4,7 @@ from os import PathLike
 from typing import Any, Literal, Protocol, TypedDict, overload
 
 from numpy import dtype, float32, ndarray, uint8
+from typing_extensions import Unpack
 
 __all__ = ["Animation", "RenderError", "SequenceError", "__version__", "render", "render_files"]
 __version__: str
@@ -59,6 +60,33 @@ class Animation(Sequence[Frame]):
     def encode(self, format: Format = "gif") -> bytes: ...
     def html(self, format: Format | None = None) -> str: ...
 
+class Settings(TypedDict, total=False):
+    size: tuple[int, int] | str | None
+    fps: float | str | Fraction | None
+    samples: int | None
+    noise: float | None
+    max_samples: int | None
+    seed: int | None
+    threads: int | None
+    integrator: Literal["whitted", "path"] | None
+    bounces: int | None
+    antialias: int | None
+    reuse: Literal["zoom", "off"] | None
+    exposure: float | None
+    tonemap: Literal["srgb", "none", "reinhard", "filmic"] | None
+    transparent: bool
+    caption: str | None
+    draft: bool
+    max_size: str | None
+    quality: int | None
+    film_cache: str | None
+    no_reuse: bool
+    allow_outside: bool
+
+class FileSettings(Settings, total=False):
+    bits: Literal[8, 16] | None
+    no_metadata: bool
+
 def render(
     source: Source,
     *,
@@ -66,27 +94,7 @@ def render(
     progress: Progress | None = None,
     linear: bool = False,
     folder: str | PathLike[str] | None = None,
-    size: tuple[int, int] | str | None = None,
-    fps: float | str | Fraction | None = None,
-    samples: int | None = None,
-    noise: float | None = None,
-    max_samples: int | None = None,
-    seed: int | None = None,
-    threads: int | None = None,
-    integrator: Literal["whitted", "path"] | None = None,
-    bounces: int | None = None,
-    antialias: int | None = None,
-    reuse: Literal["zoom", "off"] | None = None,
-    exposure: float | None = None,
-    tonemap: Literal["srgb", "none", "reinhard", "filmic"] | None = None,
-    transparent: bool = False,
-    caption: str | None = None,
-    draft: bool = False,
-    max_size: str | None = None,
-    quality: int | None = None,
-    film_cache: str | None = None,
-    no_reuse: bool = False,
-    allow_outside: bool = False,
+    **settings: Unpack[Settings],
 ) -> Animation: ...
 def render_files(
     source: Source,
@@ -95,27 +103,5 @@ def render_files(
     progress: Progress | None = None,
     replace: bool = False,
     folder: str | PathLike[str] | None = None,
-    size: tuple[int, int] | str | None = None,
-    fps: float | str | Fraction | None = None,
-    samples: int | None = None,
-    noise: float | None = None,
-    max_samples: int | None = None,
-    seed: int | None = None,
-    threads: int | None = None,
-    integrator: Literal["whitted", "path"] | None = None,
-    bounces: int | None = None,
-    antialias: int | None = None,
-    reuse: Literal["zoom", "off"] | None = None,
-    exposure: float | None = None,
-    tonemap: Literal["srgb", "none", "reinhard", "filmic"] | None = None,
-    transparent: bool = False,
-    caption: str | None = None,
-    bits: Literal[8, 16] | None = None,
-    draft: bool = False,
-    max_size: str | None = None,
-    quality: int | None = None,
-    no_metadata: bool = False,
-    film_cache: str | None = None,
-    no_reuse: bool = False,
-    allow_outside: bool = False,
+    **settings: Unpack[FileSettings],
 ) -> list[str]: ...
