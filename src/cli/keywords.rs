@@ -40,7 +40,7 @@ impl Keywords {
         parsed
             .and_then(|matches| Settings::from_arg_matches(&matches))
             .map(Self)
-            .map_err(|error| told(&error))
+            .map_err(|error| refusal(&error))
     }
 
     /// Number of tracing threads.
@@ -76,8 +76,8 @@ pub fn frames_of(set: &str, sequence: &Sequence) -> Result<Vec<u32>, String> {
     set.frames(sequence.timeline.frames).map_err(|error| error.to_string())
 }
 
-/// The message about an option, as its keyword.
-fn told(error: &clap::Error) -> KeywordError {
+/// Why clap refused an option, in terms of its keyword.
+fn refusal(error: &clap::Error) -> KeywordError {
     let texts = |kind: ContextKind| match error.get(kind) {
         Some(ContextValue::String(text)) => vec![text.clone()],
         Some(ContextValue::Strings(texts)) => texts.clone(),

@@ -5,8 +5,8 @@
 //! May use: `base`, `sampling`.
 
 mod aov;
-mod mix;
 pub mod filter;
+mod mix;
 mod noise;
 #[cfg(test)]
 mod tests;
