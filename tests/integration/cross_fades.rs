@@ -4,7 +4,7 @@ use crate::command::{folder, run};
 use crate::support::{sequence, shoot_all};
 use kinora::base::color::Rgb;
 use kinora::film::{AovSet, Film};
-use kinora::pipeline::plan::{self, Plan};
+use kinora::pipeline::plan::{self, Plan, RayEstimate};
 use kinora::pipeline::schedule::{FilmCollector, FrameLoop, Stats};
 use std::fs;
 use std::sync::Arc;
@@ -33,6 +33,7 @@ fn radiance(film: &Film) -> Vec<Rgb> {
     film.radiance().collect()
 }
 
+/// Renders all frames by a plan, which knows the number of camera rays, unless there is a target error.
 fn planned(text: &str, reused: bool) -> (Vec<Film>, Stats) {
     let sequence = sequence(text);
     let mut frames = FrameLoop::new(&sequence, FilmCollector::default(), Arc::default());
@@ -40,6 +41,10 @@ fn planned(text: &str, reused: bool) -> (Vec<Film>, Stats) {
     let plan = Plan::new(&sequence, &all, AovSet::default(), if reused { 1 << 30 } else { 0 });
     plan::run(&plan, &mut frames, || true).unwrap_or_else(|fault| panic!("{fault:?}"));
     let stats = frames.stats().clone();
+    let known = RayEstimate::of(&sequence, &plan);
+    assert_eq!(known.exact, sequence.quality.noise.is_none());
+    let traced = stats.counts.rays.camera;
+    assert!(if known.exact { known.camera == traced } else { known.camera <= traced }, "{known:?} {traced}");
     (frames.into_sink().expect("the sink").0, stats)
 }
 
@@ -86,6 +91,10 @@ fn still_cameras_are_traced_once() {
     let (_, stats) = planned(&moving, true);
     // One film of the first camera before the cut and one in it, and films of the second camera for five frames.
     assert_eq!(stats.counts.rays.camera, 7 * picture);
+    // Samples are random through one camera only.
+    let lens = SCENE.replace("shutter: 0", "aperture: 0.2, focus: 3").replace("antialias: 2", "samples: 16");
+    let (_, stats) = planned(&lens, true);
+    assert_eq!(stats.counts.rays.camera, 2 * 24 * 16 * (4 + 16));
 }
 
 /// A target error holds for the mixed light as well.

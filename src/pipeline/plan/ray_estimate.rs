@@ -4,7 +4,7 @@
 //! scales the counts. The number of camera rays is exact if the number of samples is set. With a target error it is a
 //! lower bound; an [`outlook`](super::outlook) estimates the real number.
 
-use super::camera_rays::camera_rays;
+use super::camera_rays::{camera_rays, camera_rays_in_order};
 use super::path_shares::path_shares;
 use super::render_plan::Plan;
 use crate::base::stats::ProgressMeter;
@@ -21,10 +21,9 @@ pub struct RayEstimate {
     /// Camera rays: without and with shared films.
     pub camera_alone: u64,
     pub camera: u64,
-    /// Whether the number of camera rays with shared films is known. With a target error or shared views, it is a lower bound; with cross-fades, an upper one.
+    /// Whether the number of camera rays with shared films is known. With a target error or shared views, it is a lower bound.
     pub exact: bool,
-    /// Whether the number of camera rays without shared films is known. With a target error, it is a lower bound;
-    /// with cross-fades, an upper one.
+    /// Whether the number of camera rays without shared films is known. With a target error, it is a lower bound.
     pub exact_alone: bool,
     /// Whether films may share paths. Then the number of camera rays is an upper bound, or an estimate if pilots were
     /// traced.
@@ -79,12 +78,10 @@ impl RayEstimate {
     pub fn of(sequence: &Sequence, plan: &Plan) -> Self {
         let states = &plan.states.frames;
         let camera = camera_rays_of_films(sequence, plan);
-        let camera_alone = states.iter().map(|state| camera_rays(sequence, state)).sum();
+        let camera_alone = camera_rays_in_order(sequence, states.iter().map(|state| (state, state.lit())));
         let shares_views = !plan.view_groups.is_empty();
         let has_target = sequence.quality.noise.is_some() && states.iter().any(|state| state.random);
-        // A still camera may show the same light to several frames of a cross-fade.
-        let is_known = !has_target && states.iter().all(|state| state.faded.is_none());
-        let (exact, exact_alone) = (is_known && !shares_views, is_known);
+        let (exact, exact_alone) = (!has_target && !shares_views, !has_target);
         let shares_paths = (0..plan.films.len()).any(|film| plan.together(film) > 1);
         let (path_obstacle, rays_alone, rays) = (None, None, None);
         Self {
@@ -105,8 +102,9 @@ impl RayEstimate {
 fn camera_rays_of_films(sequence: &Sequence, plan: &Plan) -> u64 {
     let shares_views = |film: &usize| plan.view_groups.iter().any(|group| group.films.contains(film));
     let alone = (0..plan.films.len()).filter(|film| !shares_views(film));
-    let alone: u64 = alone.map(|film| camera_rays(sequence, plan.state_of(film))).sum();
-    alone + plan.view_groups.iter().map(|group| group.camera_rays).sum::<u64>()
+    let alone = alone.map(|film| (plan.state_of(film), &plan.films[film].lit));
+    camera_rays_in_order(sequence, alone)
+        + plan.view_groups.iter().map(|group| group.camera_rays).sum::<u64>()
 }
 
 /// Estimates the rays of a plan from small pictures of some frames.

@@ -167,7 +167,7 @@ impl<S: FilmSink> FrameLoop<S> {
 
     /// The moments of a frame, or the first one only if all are equal.
     pub(super) fn moments(&self, frame: u32, still: bool) -> Vec<(Clock, Moment)> {
-        self.moments_of(self.shutter.cuts.at(self.timeline.clock(frame).start), frame, still)
+        self.moments_of(self.shutter.camera(&self.timeline, frame), frame, still)
     }
 
     /// [`FrameLoop::moments`] through one of the cameras.

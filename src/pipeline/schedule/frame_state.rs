@@ -59,6 +59,7 @@ pub struct FadedView {
     /// As the fields of [`FrameState`], if the camera alone showed the frame.
     pub scene_hash: Digest,
     pub moments: u32,
+    pub random: bool,
 }
 
 /// Why a frame does not share samples of views.
@@ -99,6 +100,7 @@ impl FrameState {
             share,
             scene_hash: state.scene_hash,
             moments: state.moments,
+            random: state.random,
         };
         let views = [view(&from, fade.from, 1.0 - fade.share), view(&to, fade.to, fade.share)];
         Self {

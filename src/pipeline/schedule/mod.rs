@@ -24,7 +24,7 @@ mod shared_views;
 mod tests;
 
 pub use frame_loop::FrameLoop;
-pub use frame_state::{FrameState, FrameViews, ViewObstacle};
+pub use frame_state::{FadedView, FrameState, FrameViews, ViewObstacle};
 pub use frame_states::frame_states;
 pub use preview::Preview;
 pub use prober::{PassCost, Prober};

@@ -83,6 +83,7 @@ impl<S: FilmSink> FrameLoop<S> {
         budget: u64,
     ) -> Result<PathGroup, FrameError> {
         let Some(first) = states.first() else { return Ok(PathGroup::default()) };
+        self.faded.clear();
         let weights = weights_of(first, lit);
         let (snapshots, end) = self.without_tracing(|frames| frames.snapshots(states, &weights, budget))?;
         if snapshots.last().is_none_or(|last| last.frame == 0) {

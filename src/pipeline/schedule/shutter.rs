@@ -24,9 +24,14 @@ impl Shutter {
         }
     }
 
+    /// The camera that shows a frame; in a cross-fade, the one after the cut.
+    pub fn camera(&self, timeline: &Timeline, frame: u32) -> usize {
+        self.cuts.at(timeline.clock(frame).start)
+    }
+
     /// The moments of a frame; in a cross-fade, those of the camera after the cut.
     pub fn moments(&self, timeline: &Timeline, frame: u32) -> Vec<(Clock, Moment)> {
-        self.moments_of(self.cuts.at(timeline.clock(frame).start), timeline, frame)
+        self.moments_of(self.camera(timeline, frame), timeline, frame)
     }
 
     /// The moments of a frame through one of the cameras.
