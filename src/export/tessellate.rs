@@ -40,7 +40,8 @@ pub struct Attributes {
 
 /// The shape as triangles in its own space. Round shapes are within `tolerance` times their radius of the surface: that
 /// of a sphere, of the wider end of a cone or cylinder, and of the tube of a torus. Infinite planes become squares that
-/// reach `reach` from their point. None for groups and particles.
+/// reach `reach` from their point. None for groups, particles, and
+/// solids made of others.
 pub fn tessellated(shape: &Shape, tolerance: f64, reach: f64) -> Option<Tessellation> {
     let mut to = Builder::default();
     match shape {
@@ -57,7 +58,7 @@ pub fn tessellated(shape: &Shape, tolerance: f64, reach: f64) -> Option<Tessella
         Shape::Cone(cone) => to.frustum(cone.frustum(), tolerance),
         Shape::Torus(torus) => to.torus(torus, tolerance),
         Shape::Mesh(mesh) => return Some(mesh::tessellated(mesh)),
-        Shape::Particles(_) | Shape::Group => return None,
+        Shape::Particles(_) | Shape::Solid(_) | Shape::Group => return None,
     }
     Some(to.finished())
 }

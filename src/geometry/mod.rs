@@ -6,6 +6,7 @@
 
 pub mod bvh;
 pub mod carrier;
+pub mod clip;
 pub mod deformation;
 pub mod mesh;
 pub mod motion;

@@ -91,7 +91,7 @@ impl Digests {
             self.shading(geometry, shading, regrouped);
         }
         // These shapes may have data.
-        let has_data = |slot: &u32| geometry.primitives[*slot as usize].shape.has_tree();
+        let has_data = |slot: &u32| geometry.primitives[*slot as usize].shape.has_data();
         if regrouped || shading_changed || self.arrays.is_some() && changed.iter().any(has_data) {
             self.note_arrays(geometry, shading);
         }
@@ -145,7 +145,10 @@ impl Digests {
             }
             primitives.push(*digest);
             // Shapes with a material per part are not sampled as lights.
-            let by_part = matches!(finish, Finish::Material(MaterialBinding::Slots { .. }));
+            let by_part = matches!(
+                finish,
+                Finish::Material(MaterialBinding::Slots { .. } | MaterialBinding::Capped { .. })
+            );
             (by_part, primitive.materials().count()).feed(&mut digester);
             for material in primitive.materials() {
                 let next = self.used.len() as u32;

@@ -6,11 +6,11 @@ use crate::appearance::fog::Fog;
 use crate::appearance::light::{Light, Source};
 use crate::appearance::material::{Material, MaterialBinding};
 use crate::base::math::{DAffine3, DVec3};
-use crate::geometry::shape::Shape;
+use crate::geometry::shape::{Shape, Solid};
 use crate::geometry::transform::TransformTracks;
 use crate::world::{
-    AreaLight, Current, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, Transform, Visible,
-    Weight,
+    AreaLight, ClipPlanes, Current, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, Transform,
+    Visible, Weight,
 };
 use bevy_ecs::change_detection::{DetectChanges, DetectChangesMut, Ref};
 use bevy_ecs::component::Component;
@@ -28,6 +28,7 @@ pub fn geometry_changed(
 
 /// Only objects that may move, or whose shape may change, have tracks.
 type ObjectChange = Or<(
+    Changed<ClipPlanes>,
     (With<TransformTracks>, Or<(Changed<Transform>, Changed<Visible>)>),
     (Or<(With<ShapeSeries>, With<ShapeDeformed>, With<ShapeParticles>)>, Changed<Shape>),
 )>;
@@ -46,7 +47,14 @@ pub fn weights_changed(changed: Query<(), Changed<Weight>>) -> bool {
 }
 
 /// An object, as it is packed.
-type Object = (&'static Slot, &'static Shape, &'static Transform, &'static Visible, &'static MaterialBinding);
+type Object = (
+    &'static Slot,
+    &'static Shape,
+    &'static Transform,
+    &'static Visible,
+    &'static MaterialBinding,
+    Option<&'static ClipPlanes>,
+);
 
 /// Packs the slots of objects and lights that have changed; the first time, of all.
 pub fn geometry(
@@ -59,13 +67,20 @@ pub fn geometry(
     let packed = &mut geometry.bypass_change_detection().0;
     packed.forget_old_changes();
     let before = packed.revision();
-    let mut pack =
-        |(slot, shape, at, visible, of): (&Slot, &Shape, &Transform, &Visible, &MaterialBinding)| {
-            // A deformed mesh without an area is a group for that moment.
-            let shows = !visible.is_hidden() && *shape != Shape::Group;
-            let content = (shape, at.0, Finish::Material(*of));
-            packed.set_seen(slot.0 as usize, shows.then_some(content), visible.0);
-        };
+    let mut pack = |(slot, shape, at, visible, of, cut): (
+        &Slot,
+        &Shape,
+        &Transform,
+        &Visible,
+        &MaterialBinding,
+        Option<&ClipPlanes>,
+    )| {
+        // A deformed mesh without an area is a group for that moment.
+        let shows = !visible.is_hidden() && *shape != Shape::Group;
+        let cut = cut.map(|cut| Shape::Solid(Solid::cut(shape, cut.0.iter().copied())));
+        let content = (cut.as_ref().unwrap_or(shape), at.0, Finish::Material(*of));
+        packed.set_seen(slot.0 as usize, shows.then_some(content), visible.0);
+    };
     match first {
         true => all.iter().for_each(&mut pack),
         false => changed.iter().for_each(&mut pack),

@@ -208,13 +208,8 @@ impl Geometry {
         let mut digests = Vec::new();
         for (primitive, Origin { shape, .. }) in self.primitives.iter().zip(&self.origins) {
             let read = primitive.materials().filter_map(|material| keys.get(&material)).flatten();
-            match shape {
-                Shape::Mesh(Mesh { mesh, step: None, .. }) => {
-                    digests.extend(read.map(|key| mesh.array_digest(key)));
-                }
-                Shape::Particles(Particles(set)) => digests.extend(read.map(|key| set.column_digest(key))),
-                _ => {}
-            }
+            let read: Vec<_> = read.collect();
+            note_arrays(shape, &read, &mut digests);
         }
         Digest::of(&digests)
     }
@@ -248,5 +243,17 @@ impl Geometry {
             context.footprint_uv = context.footprint.to_uv(point, uv);
         }
         context
+    }
+}
+
+/// Adds the digests of a shape's data of these keys.
+fn note_arrays(shape: &Shape, read: &[&&ArrayKey], digests: &mut Vec<Option<Digest>>) {
+    match shape {
+        Shape::Mesh(Mesh { mesh, step: None, .. }) => {
+            digests.extend(read.iter().map(|key| mesh.array_digest(key)));
+        }
+        Shape::Particles(Particles(set)) => digests.extend(read.iter().map(|key| set.column_digest(key))),
+        Shape::Solid(solid) => solid.parts().iter().for_each(|part| note_arrays(part, read, digests)),
+        _ => {}
     }
 }

@@ -88,9 +88,19 @@ impl Primitive {
             Finish::Material(MaterialBinding::Slots { first, count }) => {
                 let slot = match &self.shape {
                     Shape::Mesh(shape) => shape.mesh.material_of(part),
+                    Shape::Solid(solid) => solid.material_of(part),
                     _ => None,
                 };
                 Some(first + slot.map_or(count, u32::from))
+            }
+            Finish::Material(MaterialBinding::Capped { first, count, cap }) => {
+                let slot = match &self.shape {
+                    Shape::Solid(solid) if solid.is_cap(part) => return Some(cap),
+                    Shape::Solid(solid) => solid.material_of(part),
+                    Shape::Mesh(shape) => shape.mesh.material_of(part),
+                    _ => None,
+                };
+                Some(first + slot.map_or(count, u32::from).min(count))
             }
             Finish::Light(_) | Finish::Empty => None,
         }

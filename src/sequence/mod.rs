@@ -6,8 +6,10 @@
 
 mod about;
 mod annotations;
+mod boolean;
 mod camera;
 mod carriers;
+mod clip;
 mod check;
 mod colors;
 mod data;
@@ -114,6 +116,7 @@ use crate::base::time::Timeline;
 use crate::camera::CameraCuts;
 use crate::camera::path::CameraPath;
 use crate::encode::{Formats, Output, Tonemap};
+use crate::geometry::clip::ClipPlane;
 use crate::geometry::ray_kinds::RayVisibility;
 use crate::geometry::shape::Shape;
 use crate::geometry::transform::TransformTracks;
@@ -195,6 +198,8 @@ pub struct Object {
     /// Index of the node whose mesh this is, if joints place the mesh, not the node. It is visible only with the node,
     /// and the name of the node stands for it.
     pub skin_of: Option<usize>,
+    /// Planes in its space that cut it open, and all objects below it.
+    pub clip: Vec<ClipPlane>,
 }
 
 #[warn(missing_docs)]
@@ -210,6 +215,7 @@ impl Object {
             rays: RayVisibility::default(),
             parent: None,
             skin_of: None,
+            clip: Vec::new(),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Decodes `objects`: shapes with a material, a transform and a parent.
 
+use super::clip::{ClipDraft, clip};
 use super::expand::{REPEAT, TEMPLATE, WITH, report_misplaced};
 use super::fault::Fault;
 use super::fields::Fields;
@@ -38,6 +39,7 @@ pub struct ObjectDraft {
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
     pub rays: RayVisibility,
+    pub clip: ClipDraft,
     pub place: TransformPlace,
     /// The place of the field `material`.
     pub material_place: Range<usize>,
@@ -133,6 +135,7 @@ pub fn object(
     let visible = fields.or("visible", keyed(switch), true);
     let shadows = fields.or("casts_shadow", keyed(switch), true);
     let seen = fields.or("seen_by", seen_by, [true.into(), true.into()]);
+    let clip = clip(&mut fields, materials);
     // These names are known for suggestions.
     fields.used_up(TEMPLATE);
     fields.used_up(WITH);
@@ -158,6 +161,7 @@ pub fn object(
             transform: transform?,
             visible: visible?,
             rays: rays?,
+            clip: clip?,
             place: placed,
             material_place,
         })

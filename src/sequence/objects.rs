@@ -1,6 +1,7 @@
 //! Decodes `materials` and `objects`, and gives every object the indices of its parent and its materials.
 
 use super::carriers::CarriedDraft;
+use super::clip::{ClipDraft, bind_caps};
 use super::data_ranges;
 use super::deformations::{SceneDeformations, deform};
 use super::fields::Fields;
@@ -9,7 +10,7 @@ use super::material_description::MaterialDescription;
 use super::material_table::MaterialTable;
 use super::names::{Entry, Names, decoded, entries, named, places_of};
 use super::node::Node;
-use super::object::{ObjectDraft, Parent, object, report_circles};
+use super::object::{MaterialSource, ObjectDraft, Parent, object, report_circles};
 use super::pose_tracks::Placement;
 use super::scene::{NodeMaterial, SceneDraft, SceneNode, UniqueNames, scene, scene_of};
 use super::shape::ShapeOverTime;
@@ -62,6 +63,7 @@ pub fn materials_and_objects(
         places.extend(std::iter::repeat_n(places[index].clone(), count));
         objects.extend(below);
     }
+    bind_caps(&mut table, &mut objects, below.caps);
     let deformed = below.deformed.into_iter();
     let deformed = deformed.map(|(index, scene)| SceneDeformations { place: places[index].clone(), ..scene });
     deform(fields.node().file, &mut objects, deformed.collect());
@@ -133,6 +135,8 @@ struct Below {
     instances: Vec<(usize, Vec<Named<Object>>)>,
     carried: Vec<(usize, CarriedDraft)>,
     deformed: Vec<(usize, SceneDeformations)>,
+    /// The material of the cut faces of each object.
+    caps: Vec<Option<MaterialSource>>,
 }
 
 /// Gives every object the index of its material. Returns the nodes of scenes and the instances of objects apart.
@@ -141,7 +145,9 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
     let mut below = Below::default();
     let mut next_node = drafts.len();
     for (Named { name, value: draft }, parent) in drafts {
-        let ObjectDraft { shape, placements, scene, material, transform, visible, rays, .. } = draft;
+        let ObjectDraft { shape, placements, scene, material, transform, visible, rays, clip, .. } = draft;
+        let ClipDraft { planes: clip, cap } = clip;
+        below.caps.push(cap);
         let ShapeOverTime { shape, tracks } = shape;
         let made_of = table.bind(material, &name);
         let parent = parent.map(|parent| parent.index);
@@ -176,6 +182,7 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
                         rays: RayVisibility::default(),
                         parent: Some(index),
                         skin_of: None,
+                        clip: Vec::new(),
                     };
                     Named { name: format!("{name}[{number}]"), value }
                 };
@@ -183,7 +190,7 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
                 (Shape::Group, None)
             }
         };
-        let value = Object { shape, tracks, made_of, transform, visible, rays, parent, skin_of: None };
+        let value = Object { shape, tracks, made_of, transform, visible, rays, parent, skin_of: None, clip };
         objects.push(Named { name, value });
     }
     (objects, below)
@@ -210,7 +217,17 @@ fn scene_objects(
         bound.push(made_of);
         let parent = Some(parent.map_or(object, |parent| first + parent));
         let (rays, skin_of) = (RayVisibility::default(), skin_of.map(|node| first + node));
-        let value = Object { shape, tracks: None, made_of, transform, visible, rays, parent, skin_of };
+        let value = Object {
+            shape,
+            tracks: None,
+            made_of,
+            transform,
+            visible,
+            rays,
+            parent,
+            skin_of,
+            clip: Vec::new(),
+        };
         Named { name, value }
     };
     nodes.into_iter().map(node).collect()

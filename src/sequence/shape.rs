@@ -1,5 +1,6 @@
 //! Decodes `shape`: a word, and the fields that the shape reads itself.
 
+use super::boolean::{OPERATIONS, solid};
 use super::fault::Fault;
 use super::fields::Fields;
 use super::mesh::mesh;
@@ -12,7 +13,7 @@ use super::values::{not_negative, positive, switch, unit_vector, vector};
 use super::words::known_word;
 use crate::base::math::DVec3;
 use crate::base::time::Time;
-use crate::geometry::shape::{Geometric, Mesh, Parameters, Particles, Shape};
+use crate::geometry::shape::{Geometric, Mesh, Operation, Parameters, Particles, Shape, Solid};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, LazyLock};
@@ -28,8 +29,10 @@ pub struct ShapeOverTime {
 pub const INSTANCES: &str = "Instances";
 
 /// The names of shapes, and of what objects may show besides.
-static NAMES: LazyLock<Vec<&'static str>> =
-    LazyLock::new(|| [Shape::NAMES, &[TEXT, INSTANCES, SCENE]].concat());
+static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
+    let operations = OPERATIONS.iter().map(|(name, _)| *name).filter(|name| !Shape::NAMES.contains(name));
+    Shape::NAMES.iter().copied().chain(operations).chain([TEXT, INSTANCES, SCENE]).collect()
+});
 
 /// Any shape.
 pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
@@ -48,13 +51,19 @@ pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
         return None;
     }
     let what = format!("`{name}`");
+    let operation = OPERATIONS.iter().find(|(known, _)| *known == name).map(|(_, operation)| *operation);
     let fields = if [Mesh::NAME, Particles::NAME].contains(&name) {
         Fields::of_or_only(node, what, "file")
+    } else if operation.is_some() {
+        Fields::of_or_only(node, what, "of")
     } else {
         Fields::of(node, what)
     };
     let mut read = ShapeFields { fields: fields?, places: HashMap::new(), tracks: None };
-    let shape = Shape::read(name, &mut read);
+    let shape = match operation {
+        Some(operation) => read.solid(operation).map(Shape::Solid),
+        None => Shape::read(name, &mut read),
+    };
     read.fields.finish();
     Some(ShapeOverTime { shape: shape?, tracks: read.tracks })
 }
@@ -115,6 +124,10 @@ impl Parameters for ShapeFields<'_> {
         let set = tracks.at(Time::from_integer(0));
         self.tracks = Some(ShapeTracks::Particles(tracks));
         Some(Particles(Arc::new(set)))
+    }
+
+    fn solid(&mut self, operation: Operation) -> Option<Solid> {
+        solid(&mut self.fields, operation)
     }
 
     fn not_negative(&mut self, name: &'static str, default: Option<f64>) -> Option<f64> {

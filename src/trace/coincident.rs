@@ -122,7 +122,7 @@ impl TraceContext<'_> {
     #[inline(never)]
     pub fn grazes_an_edge(&self, primitive: u32, surface: &Surface, enters: bool) -> bool {
         let primitive = &self.scene.geometry.primitives[primitive as usize];
-        if !matches!(primitive.shape, Shape::Mesh(_)) {
+        if !matches!(primitive.shape, Shape::Mesh(_) | Shape::Solid(_)) {
             return false;
         }
         let out = surface.normal;

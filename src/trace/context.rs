@@ -152,7 +152,7 @@ impl<'a> TraceContext<'a> {
             Finish::Empty => return (Queue::Escaped, 0),
             Finish::Light(index) => return (Queue::Light, index),
             Finish::Material(MaterialBinding::One(material)) => material,
-            Finish::Material(MaterialBinding::Slots { .. }) => {
+            Finish::Material(MaterialBinding::Slots { .. } | MaterialBinding::Capped { .. }) => {
                 geometry.primitives[primitive as usize].material(part).unwrap_or_default()
             }
         };

@@ -12,15 +12,17 @@ use crate::base::math::{Aabb, DVec3};
 use crate::base::time::Time;
 use crate::camera::Camera;
 use crate::camera::path::{CameraPath, NoCamera};
+use crate::geometry::clip::moved_into;
 use crate::geometry::mesh::MeshError;
-use crate::geometry::shape::{Particles, Shape};
+use crate::geometry::shape::{Particles, Plane, Shape};
 use crate::geometry::transform::TransformTracks;
 use crate::import::series::StepError;
 use crate::world::{
-    ActiveCamera, Current, Hierarchy, HierarchyEntry, Now, Objects, ShapeDeformed, ShapeParticles,
-    ShapeSeries, ShapeUse, Transform, Visible, VisibleTracks, Weight,
+    ActiveCamera, ClipPlanes, ClippedBy, Current, Hierarchy, HierarchyEntry, Now, Objects, ShapeDeformed,
+    ShapeParticles, ShapeSeries, ShapeUse, Transform, Visible, VisibleTracks, Weight,
 };
 use bevy_ecs::change_detection::DetectChangesMut;
+use bevy_ecs::entity::Entity;
 use bevy_ecs::system::{Query, Res, ResMut};
 use std::sync::Arc;
 
@@ -59,6 +61,22 @@ pub(super) fn placed(
     match parent {
         Some((outer, shown)) => (Transform(outer.0 * affine), Visible(shown.0.and(visible))),
         None => (Transform(affine), Visible(visible)),
+    }
+}
+
+/// Moves the planes that cut objects open into the spaces of these. A plane of the object itself stays as it is.
+pub fn cuts(now: Res<Now>, mut cut: Query<(Entity, &ClippedBy, &mut ClipPlanes)>, placed: Query<&Transform>) {
+    for (object, by, mut planes) in &mut cut {
+        let mut all = Vec::new();
+        for (owner, tracks) in &by.0 {
+            let own: Vec<Plane> = tracks.iter().map(|plane| plane.at(now.0.time)).collect();
+            if *owner == object {
+                all.extend(own);
+            } else if let (Ok(above), Ok(below)) = (placed.get(*owner), placed.get(object)) {
+                all.extend(moved_into(&own, &above.0, &below.0).unwrap_or_default());
+            }
+        }
+        planes.set_if_neq(ClipPlanes(all));
     }
 }
 

@@ -5,12 +5,14 @@ use crate::base::color::Rgb;
 use crate::base::math::DAffine3;
 use crate::base::time::Time;
 use crate::film::LayerId;
+use crate::geometry::clip::ClipPlane;
 use crate::geometry::deformation::DeformedMesh;
 use crate::geometry::ray_kinds::{RayKinds, RayVisibility};
-use crate::geometry::shape::ParticleTracks;
+use crate::geometry::shape::{ParticleTracks, Plane};
 use crate::import::series::MeshSeries;
 use crate::track::Animated;
 use bevy_ecs::component::Component;
+use bevy_ecs::entity::Entity;
 use std::sync::Arc;
 
 /// World-from-object transform. Singular while a scale of 0 hides the object.
@@ -59,6 +61,14 @@ pub struct ShapeDeformed {
 /// The particles of an object over time.
 #[derive(Clone, Component, Debug)]
 pub struct ShapeParticles(pub Arc<ParticleTracks>);
+
+/// The planes that cut an object open, in the spaces of the object and of those above it.
+#[derive(Clone, Component, Debug)]
+pub struct ClippedBy(pub Vec<(Entity, Arc<[ClipPlane]>)>);
+
+/// The planes that cut an object open at this moment, in its own space.
+#[derive(Clone, Component, Debug, Default, PartialEq)]
+pub struct ClipPlanes(pub Vec<Plane>);
 
 /// Index among the lights or materials of the file: where extraction packs them, because queries have no order.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq, PartialOrd, Ord)]

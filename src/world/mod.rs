@@ -10,8 +10,8 @@ mod resources;
 mod spawn;
 
 pub use components::{
-    AreaLight, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, Transform, Visible,
-    VisibleTracks, Weight,
+    AreaLight, ClipPlanes, ClippedBy, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, Transform,
+    Visible, VisibleTracks, Weight,
 };
 pub use resources::{
     ActiveCamera, Current, Hierarchy, HierarchyEntry, LightSetup, Now, Objects, ShapeUse, SlotCount,

@@ -1,8 +1,9 @@
 //! Spawns the entities of a sequence, with their values at its first moment.
 
 use super::{
-    ActiveCamera, AreaLight, FileOrder, Hierarchy, HierarchyEntry, LightSetup, Now, Objects, ShapeDeformed,
-    ShapeParticles, ShapeSeries, Slot, SlotCount, Transform, Visible, VisibleTracks, Weight, animate,
+    ActiveCamera, AreaLight, ClipPlanes, ClippedBy, FileOrder, Hierarchy, HierarchyEntry, LightSetup, Now,
+    Objects, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, SlotCount, Transform, Visible, VisibleTracks,
+    Weight, animate,
 };
 use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
@@ -10,10 +11,12 @@ use crate::appearance::light_groups::{GroupRadiance, GroupWeight};
 use crate::base::color::Rgb;
 use crate::base::math::{DAffine3, UpAxis};
 use crate::film::LayerId;
+use crate::geometry::clip::ClipPlane;
 use crate::geometry::ray_kinds::RayKinds;
 use crate::geometry::shape::Shape;
 use crate::sequence::{LightLayers, Named, Object, Sequence, ShapeTracks};
 use crate::track::Animated;
+use bevy_ecs::entity::Entity;
 use bevy_ecs::world::{EntityWorldMut, World};
 use std::sync::Arc;
 
@@ -164,6 +167,7 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
         }
         entities.push(entity.id());
     }
+    spawn_cuts(world, objects, &entities);
     let root = root.map(|root| world.spawn(root).id());
     let entry = |index: usize| {
         let Object { parent, skin_of, .. } = &objects[index].value;
@@ -174,6 +178,25 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
     world.insert_resource(Hierarchy(hierarchy));
     world.insert_resource(Objects(entities));
     world.insert_resource(SlotCount(slots.0));
+}
+
+/// Gives objects the planes that cut them open: their own, and those of the objects above.
+fn spawn_cuts(world: &mut World, objects: &[Named<Object>], entities: &[Entity]) {
+    let planes: Vec<Arc<[ClipPlane]>> =
+        objects.iter().map(|object| object.value.clip.as_slice().into()).collect();
+    if planes.iter().all(|planes| planes.is_empty()) {
+        return;
+    }
+    for (index, object) in objects.iter().enumerate() {
+        let above = std::iter::successors(Some(index), |&at| objects[at].value.parent);
+        let cut: Vec<_> = above
+            .filter(|&at| !planes[at].is_empty())
+            .map(|at| (entities[at], Arc::clone(&planes[at])))
+            .collect();
+        if object.value.shape != Shape::Group && !cut.is_empty() {
+            world.entity_mut(entities[index]).insert((ClippedBy(cut), ClipPlanes::default()));
+        }
+    }
 }
 
 /// The rays that see an object over time.

@@ -144,7 +144,8 @@ impl<R: TextbookNumber> TextbookShape<R> {
                 own = Some(upright(center, axis, major));
                 ShapeKind::Torus(minor / major)
             }
-            Shape::Group => return None,
+            // Its parts have textbook formulas, but the solid has none.
+            Shape::Solid(_) | Shape::Group => return None,
         };
         let local = match (own, placed) {
             (None, None) => None,

@@ -16,7 +16,6 @@ use crate::base::digest::Content;
 use crate::base::math::DVec3;
 use crate::film::LayerId;
 use bevy_ecs::component::Component;
-use std::ops::RangeInclusive;
 
 /// A material at one moment.
 #[derive(Clone, Component, Debug, PartialEq, Content)]
@@ -54,15 +53,39 @@ pub enum MaterialBinding {
         /// The number of slots.
         count: u32,
     },
+    /// Materials in slots from index `first` on, the last one at `first + count`, and the material of the faces at which
+    /// planes cut the object open.
+    Capped {
+        /// The index of the material of the first slot.
+        first: u32,
+        /// The number of slots.
+        count: u32,
+        /// The index of the material of the cut faces.
+        cap: u32,
+    },
 }
 
 #[warn(missing_docs)]
 impl MaterialBinding {
     /// All indices in use.
-    pub fn indices(self) -> RangeInclusive<u32> {
+    pub fn indices(self) -> impl Iterator<Item = u32> {
         match self {
-            Self::One(index) => index..=index,
-            Self::Slots { first, count } => first..=first + count,
+            Self::One(index) => (index..=index).chain(None),
+            Self::Slots { first, count } => (first..=first + count).chain(None),
+            Self::Capped { first, count, cap } => {
+                let is_other = cap < first || first + count < cap;
+                (first..=first + count).chain(is_other.then_some(cap))
+            }
+        }
+    }
+
+    /// The same with a material for the faces at which planes cut the object open.
+    pub fn capped(self, cap: u32) -> Self {
+        match self {
+            Self::One(first) => Self::Capped { first, count: 0, cap },
+            Self::Slots { first, count } | Self::Capped { first, count, .. } => {
+                Self::Capped { first, count, cap }
+            }
         }
     }
 }

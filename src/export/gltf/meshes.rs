@@ -97,7 +97,9 @@ fn write(
     }
     let slot = |slot: Option<u16>| match (made_of, slot) {
         (MaterialBinding::One(index), _) => index,
-        (MaterialBinding::Slots { first, count }, slot) => first + slot.map_or(count, u32::from).min(count),
+        (MaterialBinding::Slots { first, count } | MaterialBinding::Capped { first, count, .. }, slot) => {
+            first + slot.map_or(count, u32::from).min(count)
+        }
     };
     let colored =
         mesh.has.colors && mesh.groups.iter().any(|(group, _)| materials.shows_colors(slot(*group)));

@@ -6,6 +6,7 @@ use super::materials::MaterialIndices;
 use super::meshes::{Meshes, Placement};
 use crate::base::math::{DMat3, DQuat, DVec3, UpAxis, rotation_and_scale};
 use crate::base::time::Time;
+use crate::geometry::shape::Shape;
 use crate::geometry::transform::{Rotation, TransformTracks};
 use crate::sequence::{Object, ShapeTracks};
 use crate::track::Animated;
@@ -237,6 +238,12 @@ impl Exporter<'_> {
             }
             Some(ShapeTracks::Particles(_)) => self.left_out.note_of("the particles", "object"),
             _ => {}
+        }
+        if !object.clip.is_empty() {
+            self.left_out.note_of("the cuts", "object");
+        }
+        if let Shape::Solid(_) = object.shape {
+            self.left_out.note_of("the solid made of others", "object");
         }
     }
 }

@@ -44,6 +44,7 @@ impl TriangleMesh {
             smooth: OnceLock::new(),
             outline: OnceLock::new(),
             areas: OnceLock::new(),
+            closed: OnceLock::new(),
         })
     }
 }

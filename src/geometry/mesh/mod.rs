@@ -2,6 +2,7 @@
 
 mod arrays;
 mod blend;
+mod closed;
 pub(crate) mod build;
 pub(crate) mod corners;
 mod crease;
@@ -56,6 +57,7 @@ pub struct TriangleMesh {
     smooth: OnceLock<Vec<Vec3>>,
     outline: OnceLock<Vec<DVec3>>,
     areas: OnceLock<Vec<f64>>,
+    closed: OnceLock<bool>,
     digest: Digest,
 }
 

@@ -28,6 +28,7 @@ mod rectangle;
 #[cfg(test)]
 mod round_tests;
 mod side_filter;
+mod solid;
 mod sphere;
 #[cfg(test)]
 mod support_tests;
@@ -56,6 +57,7 @@ pub use part_search::{any_part_on, nearest_part_on};
 pub use particles::{ParticleRows, ParticleSet, ParticleTracks, Particles, SameTime};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
+pub use solid::{Operation, Solid, encloses};
 pub use sphere::{Sphere, SphereLanes};
 pub use stored_rays::{StoredRays, store_lanes};
 pub use surface::{ShapeHit, Surface};
@@ -121,7 +123,7 @@ macro_rules! shapes {
 }
 
 // The list. Adding a shape here makes it readable, visible, transformable and usable as a light.
-shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Cylinder, Cone, Torus, Mesh, Particles);
+shapes!(Sphere, Plane, Rectangle, Disk, Triangle, Cuboid, Cylinder, Cone, Torus, Mesh, Particles, Solid);
 
 impl OneRay for Shape {
     fn intersect_up_to(&self, ray: &TraversalRay, t_max: f64) -> Option<ShapeHit> {
@@ -196,6 +198,7 @@ impl Shape {
         match self {
             Self::Mesh(mesh) => return every_part(mesh, ray, within, take),
             Self::Particles(particles) => return every_part(particles, ray, within, take),
+            Self::Solid(solid) => return solid.each_hit(ray, within, take),
             _ => {}
         }
         while let Some(at) = self.intersect_on::<L>(ray, within, None) {
@@ -209,11 +212,17 @@ impl Shape {
         matches!(self, Self::Mesh(_) | Self::Particles(_))
     }
 
+    /// Whether the shape may have data: see [`Shape::number`].
+    pub fn has_data(&self) -> bool {
+        self.has_tree() || matches!(self, Self::Solid(_))
+    }
+
     /// A number of the data at a point of a part: of a mesh, or of a particle.
     pub fn number(&self, key: &ArrayKey, point: DVec3, part: u32) -> Option<f64> {
         match self {
             Self::Mesh(mesh) => mesh.array_at(key, point, part),
             Self::Particles(Particles(set)) => set.number(key, part),
+            Self::Solid(solid) => solid.number(key, point, part),
             _ => None,
         }
     }

@@ -1,6 +1,6 @@
 //! The source of a shape's parameters.
 
-use super::{Mesh, Particles};
+use super::{Mesh, Operation, Particles, Solid};
 use crate::base::math::DVec3;
 
 /// The parameters that a file gives a shape. A method returns none if the parameter is wrong, or missing without a
@@ -20,6 +20,9 @@ pub trait Parameters {
 
     /// Particles, from all fields.
     fn particles(&mut self) -> Option<Particles>;
+
+    /// A solid made of others, from all fields.
+    fn solid(&mut self, operation: Operation) -> Option<Solid>;
 
     /// A length of 0 or more.
     fn not_negative(&mut self, name: &'static str, default: Option<f64>) -> Option<f64>;

@@ -56,7 +56,7 @@ pub fn update_schedule() -> Schedule {
     let series = animate::series.pipe(keep_mesh_fault);
     let deformed = animate::deformed.pipe(keep_mesh_fault);
     // Hidden objects load nothing, and a camera may focus on an object.
-    let placed = (animate::transforms, series, deformed, animate::particles, camera).chain();
+    let placed = (animate::transforms, animate::cuts, series, deformed, animate::particles, camera).chain();
     let animated = (placed, animate::materials, animate::lights, animate::sky_and_fog, animate::weights);
     let begun = begin(FrameStage::Animate);
     schedule.add_systems((begun, animated, lap(FrameStage::Animate)).chain().in_set(FrameStage::Animate));

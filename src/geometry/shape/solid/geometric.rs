@@ -1,0 +1,149 @@
+//! Solids made of solids as shapes. Rare, so lanes search one ray at a time.
+
+use super::{Operation, Solid};
+use crate::base::color::Rgb;
+use crate::base::lanes::{Mask, Real, Row, Vec3};
+use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, max, min};
+use crate::geometry::bvh::TraversalRay;
+use crate::geometry::shape::{
+    Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, ShapeHit, StoredRays, Surface,
+    store_lanes,
+};
+
+impl Solid {
+    /// The first hit within bounds.
+    fn first(&self, ray: &TraversalRay, within: RayInterval<f64>) -> Option<ShapeHit> {
+        self.hits(ray).into_iter().find(|at| within.min < at.t && at.t < within.max)
+    }
+
+    /// Passes all hits within bounds to `take`.
+    pub fn each_hit(&self, ray: &TraversalRay, within: RayInterval<f64>, take: &mut dyn FnMut(ShapeHit)) {
+        let hits = self.hits(ray).into_iter();
+        hits.filter(|at| within.min < at.t && at.t < within.max).for_each(take);
+    }
+
+    /// The surface at a hit.
+    #[inline(never)]
+    fn surface_of(&self, ray: &LaneRay<f64>, at: LaneHit<f64>, origin_error: f64) -> Surface {
+        if !at.t.is_finite() {
+            return LaneSurface::<f64>::nowhere().into();
+        }
+        let (index, part) = self.of(at.part);
+        let surface = self.parts()[index].surface(ray, LaneHit { part, ..at }, origin_error);
+        surface.flipped(self.is_turned(index)).into()
+    }
+}
+
+/// Vectors of lanes.
+#[inline(always)]
+fn gathered<F: Real>(surfaces: &[Surface; 8], of: impl Fn(&Surface) -> DVec3) -> Vec3<F> {
+    let mut rows = [F::splat(0.0).to_array(); 3];
+    for lane in 0..F::LANES {
+        let v = of(&surfaces[lane]);
+        (rows[0][lane], rows[1][lane], rows[2][lane]) = (v.x, v.y, v.z);
+    }
+    let [x, y, z] = rows.map(F::from_array);
+    Vec3::new(x, y, z)
+}
+
+impl Geometric for Solid {
+    const NAME: &'static str = "Difference";
+
+    fn read(parameters: &mut impl Parameters) -> Option<Self> {
+        parameters.solid(Operation::Difference)
+    }
+
+    #[inline(always)]
+    fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
+        let (rays, wanted) = (StoredRays::of(&ray.ray), within.min.lt(within.max).bits());
+        let [least, most] = [store_lanes(within.min), store_lanes(within.max)];
+        let (mut t, mut parts) = (F::splat(f64::INFINITY).to_array(), F::U32::splat(0).to_array());
+        let mut coincident = 0;
+        for lane in crate::base::lanes::lanes(wanted) {
+            let span = RayInterval { min: least[lane], max: most[lane] };
+            if let Some(at) = self.first(&TraversalRay::new(rays.one(lane)), span) {
+                (t[lane], parts[lane]) = (at.t, at.part);
+                coincident |= u32::from(at.coincident) << lane;
+            }
+        }
+        LaneHit {
+            t: F::from_array(t),
+            part: F::U32::from_array(parts),
+            coincident: F::Mask::from_bits(coincident),
+        }
+    }
+
+    #[inline(always)]
+    fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, origin_error: f64) -> LaneSurface<F> {
+        let (rays, t, parts) = (StoredRays::of(ray), at.t.to_array(), at.part.to_array());
+        let mut surfaces = [Surface::new(DVec3::ZERO, DVec3::ZERO, DVec3::Y); 8];
+        for lane in 0..F::LANES {
+            let at = LaneHit { t: t[lane], part: parts[lane], coincident: false };
+            surfaces[lane] = self.surface_of(&LaneRay::from(&rays.one(lane)), at, origin_error);
+        }
+        LaneSurface {
+            point: gathered(&surfaces, |surface| surface.point),
+            error: gathered(&surfaces, |surface| surface.error),
+            normal: gathered(&surfaces, |surface| surface.normal),
+            shading: gathered(&surfaces, |surface| surface.shading),
+            lift: gathered(&surfaces, |surface| surface.lift),
+        }
+    }
+
+    /// Of an intersection, those common to all parts with bounds.
+    fn bounds(&self) -> Option<Aabb> {
+        let mut all = self.parts().iter().map(|part| part.bounds());
+        match self.0.operation {
+            Operation::Difference => all.next().flatten(),
+            Operation::Union => all.try_fold(Aabb::EMPTY, |sum, bounds| Some(sum.union(bounds?))),
+            Operation::Intersection => all.flatten().reduce(|a, b| {
+                let common = Aabb { min: a.min.max(b.min), max: a.max.min(b.max) };
+                if common.is_empty() { a } else { common }
+            }),
+        }
+    }
+
+    /// An upper bound: what is taken away may have been the farthest point.
+    fn support(&self, direction: DVec3) -> Option<f64> {
+        let mut all = self.parts().iter().map(|part| part.support(direction));
+        match self.0.operation {
+            Operation::Difference => all.next().flatten(),
+            Operation::Union => all.try_fold(f64::NEG_INFINITY, |most, one| Some(max(most, one?))),
+            Operation::Intersection => all.flatten().reduce(min),
+        }
+    }
+
+    /// A solid stays one if all parts stay in their classes.
+    fn transformed(&self, affine: &DAffine3) -> Option<Self> {
+        let parts = self.parts().iter().map(|part| part.transformed(affine)).collect::<Option<_>>()?;
+        Some(Self::made(self.0.operation, parts, self.0.cuts, self.0.is_open))
+    }
+
+    #[inline(always)]
+    fn uv<F: Real>(&self, point: Vec3<F>, part: F::U32) -> [F; 2] {
+        let (x, y, z, parts) = (point.x.to_array(), point.y.to_array(), point.z.to_array(), part.to_array());
+        let (mut u, mut v) = (x, x);
+        for lane in 0..F::LANES {
+            [u[lane], v[lane]] = self.uv_of(DVec3::new(x[lane], y[lane], z[lane]), parts[lane]);
+        }
+        [F::from_array(u), F::from_array(v)]
+    }
+
+    fn uv_ends(&self, part: u32) -> [bool; 2] {
+        let (index, part) = self.of(part);
+        self.parts()[index].uv_ends(part)
+    }
+
+    fn color(&self, point: DVec3, part: u32) -> Rgb {
+        let (index, part) = self.of(part);
+        self.parts()[index].color(point, part)
+    }
+}
+
+impl Solid {
+    #[inline(never)]
+    fn uv_of(&self, point: DVec3, part: u32) -> [f64; 2] {
+        let (index, part) = self.of(part);
+        self.parts()[index].uv::<f64>(point.into(), part)
+    }
+}

@@ -1,0 +1,154 @@
+//! Solids made of solids: differences, intersections and unions, and shapes that planes cut open.
+//!
+//! A ray is inside of a solid in intervals. Those of a solid made of others follow from the intervals of its parts, in
+//! `intervals`. A plane is the half-space behind it, so a cut is an intersection with half-spaces.
+
+mod geometric;
+mod intervals;
+#[cfg(test)]
+mod tests;
+
+use super::{Mesh, Plane, Shape};
+use crate::base::digest::{Content, Digester};
+use crate::base::math::{Aabb, DVec3, max};
+use crate::geometry::mesh::ArrayKey;
+use std::sync::Arc;
+
+/// How the parts of a solid form it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Content)]
+pub enum Operation {
+    /// What is inside the first part and outside all others.
+    Difference,
+    /// What is inside all parts.
+    Intersection,
+    /// What is inside any part.
+    Union,
+}
+
+/// A solid made of others, all in its own space. Its parts are shared, because copies of a solid are common.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid(Arc<Inner>);
+
+#[derive(Debug, PartialEq)]
+struct Inner {
+    operation: Operation,
+    parts: Vec<Shape>,
+    /// The first number of each part's own parts.
+    first: Vec<u32>,
+    /// The parts from this index on are planes that cut the first one.
+    cuts: usize,
+    /// Whether the first part encloses nothing: cut, it stays a surface.
+    is_open: bool,
+    /// The largest coordinate.
+    reach: f64,
+}
+
+/// No shape has more parts than this, except meshes and particles.
+const MOST_PARTS: u32 = 8;
+
+/// How many part numbers a shape needs.
+fn part_count(shape: &Shape) -> u32 {
+    match shape {
+        Shape::Mesh(mesh) => mesh.mesh.triangles().len() as u32,
+        Shape::Particles(particles) => particles.0.spheres().len() as u32,
+        Shape::Solid(Solid(inner)) => {
+            inner.parts.iter().fold(0, |sum: u32, part| sum.saturating_add(part_count(part)))
+        }
+        _ => MOST_PARTS,
+    }
+}
+
+/// Whether a shape encloses a volume. A plane encloses what is behind it.
+pub fn encloses(shape: &Shape) -> bool {
+    match shape {
+        Shape::Sphere(_) | Shape::Cuboid(_) | Shape::Torus(_) | Shape::Plane(_) | Shape::Particles(_) => true,
+        Shape::Cylinder(cylinder) => cylinder.ends().1,
+        Shape::Cone(cone) => cone.ends().1,
+        Shape::Mesh(Mesh { mesh, .. }) => mesh.is_closed(),
+        Shape::Solid(solid) => !solid.0.is_open,
+        Shape::Rectangle(_) | Shape::Disk(_) | Shape::Triangle(_) | Shape::Group => false,
+    }
+}
+
+impl Solid {
+    /// A solid of parts that enclose volumes.
+    pub fn new(operation: Operation, parts: Vec<Shape>) -> Self {
+        let cuts = parts.len();
+        Self::made(operation, parts, cuts, false)
+    }
+
+    /// The part of a shape behind all planes. Their normals point to what is cut away. What encloses a volume gets caps.
+    pub fn cut(shape: &Shape, planes: impl IntoIterator<Item = Plane>) -> Self {
+        let is_open = !encloses(shape) || matches!(shape, Shape::Plane(_));
+        let planes = planes.into_iter().map(Shape::Plane);
+        let parts = std::iter::once(shape.clone()).chain(planes).collect();
+        Self::made(Operation::Intersection, parts, 1, is_open)
+    }
+
+    fn made(operation: Operation, parts: Vec<Shape>, cuts: usize, is_open: bool) -> Self {
+        let mut next = 0u32;
+        let number = |part: &Shape| {
+            let first = next;
+            next = next.saturating_add(part_count(part));
+            first
+        };
+        let first = parts.iter().map(number).collect();
+        let reach = parts.iter().map(reach).fold(0.0, max);
+        Self(Arc::new(Inner { operation, parts, first, cuts, is_open, reach }))
+    }
+
+    /// The parts in their order.
+    pub fn parts(&self) -> &[Shape] {
+        &self.0.parts
+    }
+
+    /// The index of a part and the number in its own numbering.
+    fn of(&self, part: u32) -> (usize, u32) {
+        let first = &self.0.first;
+        let index = first.partition_point(|&first| first <= part).saturating_sub(1);
+        (index, part - first[index])
+    }
+
+    /// Whether the outside of a part is the inside of the solid.
+    fn is_turned(&self, index: usize) -> bool {
+        self.0.operation == Operation::Difference && index > 0
+    }
+
+    /// Whether a number is that of a plane that cuts the shape.
+    pub fn is_cap(&self, part: u32) -> bool {
+        self.of(part).0 >= self.0.cuts
+    }
+
+    /// The slot of the material of a part, if it is a triangle of a mesh with materials.
+    pub fn material_of(&self, part: u32) -> Option<u16> {
+        let (index, part) = self.of(part);
+        match &self.0.parts[index] {
+            Shape::Mesh(mesh) => mesh.mesh.material_of(part),
+            Shape::Solid(solid) => solid.material_of(part),
+            _ => None,
+        }
+    }
+
+    /// See [`Shape::number`].
+    pub fn number(&self, key: &ArrayKey, point: DVec3, part: u32) -> Option<f64> {
+        let (index, part) = self.of(part);
+        self.0.parts[index].number(key, point, part)
+    }
+}
+
+impl Content for Solid {
+    fn feed(&self, into: &mut Digester) {
+        let Inner { operation, parts, first: _, cuts, is_open, reach: _ } = &*self.0;
+        ((operation, parts), (*cuts as u32, is_open)).feed(into);
+    }
+}
+
+/// The largest coordinate of a shape; of a plane, of its point.
+fn reach(shape: &Shape) -> f64 {
+    let largest = |Aabb { min, max }: Aabb| min.abs().max(max.abs()).max_element();
+    match shape {
+        Shape::Plane(plane) => plane.point.abs().max_element(),
+        Shape::Solid(solid) => solid.0.reach,
+        _ => shape.bounds().map_or(0.0, largest),
+    }
+}

@@ -1,0 +1,167 @@
+use super::*;
+use crate::base::math::Ray;
+use crate::geometry::bvh::TraversalRay;
+use crate::geometry::shape::{Cuboid, Cylinder, OneRay, Rectangle, Sphere, Torus};
+use crate::testing::Random;
+
+/// Rays per sweep; the ignored test traces more.
+const RAYS: u32 = 20_000;
+
+fn sphere(center: DVec3, radius: f64) -> Shape {
+    Shape::Sphere(Sphere { center, radius })
+}
+
+fn cube(min: [f64; 3], max: [f64; 3]) -> Shape {
+    Shape::Cuboid(Cuboid { min: min.into(), max: max.into() })
+}
+
+fn plane(point: DVec3, normal: DVec3) -> Plane {
+    Plane { point, normal: normal.normalize() }
+}
+
+/// Each hit along a ray: its t, and whether the ray enters there.
+fn hits(solid: &Solid, origin: DVec3, direction: DVec3) -> Vec<(f64, bool)> {
+    let ray = Ray { origin, direction };
+    let all = solid.hits(&TraversalRay::new(ray)).into_iter();
+    all.map(|at| (at.t, solid.surface_at(&ray, at).normal.dot(direction) < 0.0)).collect()
+}
+
+fn hard_cases() -> Vec<Solid> {
+    let ball = sphere(DVec3::ZERO, 1.0);
+    let block = cube([-1.0; 3], [1.0; 3]);
+    let rod = Shape::Cylinder(Cylinder::new(DVec3::NEG_Y, DVec3::Y, 0.5, true).expect("a length"));
+    vec![
+        Solid::cut(&ball, [plane(DVec3::ZERO, DVec3::X)]),
+        // Three planes through one corner, and two of them through an edge of the block.
+        Solid::cut(
+            &block,
+            [plane(DVec3::ZERO, DVec3::X), plane(DVec3::ZERO, DVec3::Y), plane(DVec3::ZERO, DVec3::Z)],
+        ),
+        Solid::cut(
+            &block,
+            [plane(DVec3::ONE, DVec3::new(1.0, 1.0, 0.0)), plane(DVec3::X, DVec3::new(1.0, -1.0, 0.0))],
+        ),
+        Solid::cut(
+            &Shape::Torus(Torus::new(DVec3::ZERO, DVec3::Y, 0.7, 0.3)),
+            [plane(DVec3::ZERO, DVec3::ONE)],
+        ),
+        // Ends of the rod lie in faces of the block.
+        Solid::new(Operation::Difference, vec![block.clone(), rod.clone()]),
+        Solid::new(Operation::Union, vec![block.clone(), rod]),
+        // A face of one lies in a face of the other, and half of it is shared.
+        Solid::new(
+            Operation::Union,
+            vec![cube([-1.0; 3], [0.0, 1.0, 1.0]), cube([0.0, -1.0, -1.0], [1.0, 0.5, 1.0])],
+        ),
+        Solid::new(Operation::Difference, vec![block.clone(), cube([0.0, 0.0, -1.0], [1.0; 3])]),
+        // Spheres that touch from outside, and from inside.
+        Solid::new(Operation::Union, vec![sphere(DVec3::X * -0.5, 0.5), sphere(DVec3::X * 0.5, 0.5)]),
+        Solid::new(Operation::Difference, vec![ball.clone(), sphere(DVec3::X * 0.5, 0.5)]),
+        Solid::new(Operation::Intersection, vec![block, sphere(DVec3::ZERO, 1.2)]),
+    ]
+}
+
+/// Rays to points of edges and corners, among others.
+fn ray(random: &mut Random) -> Ray {
+    let target = match (random.unit() * 4.0) as u32 {
+        0 => (random.point(1.5) * 2.0).round() * 0.5,
+        1 => DVec3::new(random.unit() - 0.5, 0.0, 0.0),
+        _ => random.point(1.0),
+    };
+    let direction = match (random.unit() * 4.0) as u32 {
+        0 => DVec3::X,
+        1 => DVec3::new(1.0, -1.0, 0.0),
+        _ => random.direction(),
+    };
+    Ray { origin: target - direction * 5.0, direction }
+}
+
+/// Every ray from outside leaves as often as it enters, in turn.
+fn count_leaks(solid: &Solid, rays: u32) -> usize {
+    let mut random = Random(7);
+    let leaks = |_: &u32| {
+        let Ray { origin, direction } = ray(&mut random);
+        let turns = hits(solid, origin, direction);
+        let alternate = turns.iter().enumerate().all(|(number, (_, enters))| *enters == (number % 2 == 0));
+        !alternate || turns.len() % 2 != 0
+    };
+    (0..rays).filter(leaks).count()
+}
+
+#[test]
+fn rays_enter_and_leave_in_turn() {
+    for (number, solid) in hard_cases().iter().enumerate() {
+        assert_eq!(count_leaks(solid, RAYS), 0, "case {number}");
+    }
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn none_of_a_million_rays_leaks() {
+    for (number, solid) in hard_cases().iter().enumerate() {
+        assert_eq!(count_leaks(solid, 1_000_000), 0, "case {number}");
+    }
+}
+
+#[test]
+fn hits_agree_with_the_points_inside() {
+    let (center, radius) = (DVec3::new(0.3, 0.2, 0.1), 0.9);
+    let parts = || vec![cube([-1.0; 3], [1.0; 3]), sphere(center, radius)];
+    let mut random = Random(3);
+    for operation in [Operation::Difference, Operation::Intersection, Operation::Union] {
+        let solid = Solid::new(operation, parts());
+        for _ in 0..RAYS {
+            let Ray { origin, direction } = ray(&mut random);
+            let (t, turns) = (random.unit() * 10.0, hits(&solid, origin, direction));
+            let point = origin + direction * t;
+            let in_cube = point.abs().max_element() - 1.0;
+            let in_ball = (point - center).length() - radius;
+            if in_cube.abs().min(in_ball.abs()) < 1e-9 {
+                continue;
+            }
+            let (a, b) = (in_cube < 0.0, in_ball < 0.0);
+            let expected = match operation {
+                Operation::Difference => a && !b,
+                Operation::Intersection => a && b,
+                Operation::Union => a || b,
+            };
+            let crossed = turns.iter().filter(|(at, _)| *at < t).count();
+            assert_eq!(crossed % 2 == 1, expected, "{operation:?} {point}");
+        }
+    }
+}
+
+#[test]
+fn faces_that_coincide_leave_no_sheet() {
+    // Taken away is exactly one half, so that three of its faces lie in faces of the block.
+    let solid =
+        Solid::new(Operation::Difference, vec![cube([-1.0; 3], [1.0; 3]), cube([0.0, -1.0, -1.0], [1.0; 3])]);
+    assert_eq!(hits(&solid, DVec3::new(5.0, 0.2, 0.3), DVec3::NEG_X), [(5.0, true), (6.0, false)]);
+    assert_eq!(hits(&solid, DVec3::new(0.5, 5.0, 0.3), DVec3::NEG_Y).len(), 0);
+    // Glued together, the face between two blocks vanishes.
+    let glued = Solid::new(
+        Operation::Union,
+        vec![cube([-1.0; 3], [0.0, 1.0, 1.0]), cube([0.0, -1.0, -1.0], [1.0; 3])],
+    );
+    assert_eq!(hits(&glued, DVec3::new(5.0, 0.2, 0.3), DVec3::NEG_X), [(4.0, true), (6.0, false)]);
+}
+
+#[test]
+fn cuts_show_caps_of_solids_only() {
+    let half = Solid::cut(&sphere(DVec3::ZERO, 1.0), [plane(DVec3::ZERO, DVec3::X)]);
+    let ray = Ray { origin: DVec3::new(5.0, 0.5, 0.0), direction: DVec3::NEG_X };
+    let at = half.intersect_up_to(&TraversalRay::new(ray), f64::INFINITY).expect("a hit");
+    assert_eq!((at.t, half.is_cap(at.part)), (5.0, true));
+    assert_eq!(half.surface_at(&ray, at).normal, DVec3::X);
+    // From inside, the ray leaves through the cap.
+    assert_eq!(hits(&half, DVec3::new(-0.5, 0.0, 0.0), DVec3::X), [(0.5, false)]);
+    let sheet = Shape::Rectangle(Rectangle {
+        corner: DVec3::new(-1.0, 0.0, -1.0),
+        u: DVec3::X * 2.0,
+        v: DVec3::Z * 2.0,
+    });
+    let sheet = Solid::cut(&sheet, [plane(DVec3::ZERO, DVec3::X)]);
+    assert_eq!(hits(&sheet, DVec3::new(0.5, 1.0, 0.0), DVec3::NEG_Y).len(), 0);
+    assert_eq!(hits(&sheet, DVec3::new(-0.5, 1.0, 0.0), DVec3::NEG_Y).len(), 1);
+    assert_eq!(hits(&sheet, DVec3::new(5.0, 0.0, 0.5), DVec3::NEG_X).len(), 0);
+}

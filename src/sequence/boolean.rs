@@ -1,0 +1,53 @@
+//! Decodes solids made of solids: `Difference`, `Intersection` and `Union`.
+
+use super::fault::Fault;
+use super::fields::Fields;
+use super::node::Node;
+use super::shape::shape;
+use super::values::list;
+use crate::geometry::shape::{Geometric, Operation, Shape, Solid, encloses};
+
+/// The words for solids made of others.
+pub const OPERATIONS: &[(&str, Operation)] = &[
+    (Solid::NAME, Operation::Difference),
+    ("Intersection", Operation::Intersection),
+    ("Union", Operation::Union),
+];
+
+/// The most parts of one solid. Each ray tests all of them.
+const MOST: usize = 64;
+
+/// The solid of these fields.
+pub fn solid(fields: &mut Fields<'_>, operation: Operation) -> Option<Solid> {
+    let place = fields.place("of");
+    let parts = fields.required("of", |node| list(node, "solids", operand))?;
+    let label = match parts.len() {
+        0 | 1 => "needs at least two solids".to_owned(),
+        more if more > MOST => format!("{more} solids; at most {MOST}"),
+        _ => return Some(Solid::new(operation, parts)),
+    };
+    fields.node().fault(Fault::new(place, "this list has the wrong length", label));
+    None
+}
+
+fn operand(node: Node<'_>) -> Option<Shape> {
+    let one = shape(node)?;
+    let title = "only what encloses a volume can be part of a solid";
+    let (label, help) = match &one.shape {
+        Shape::Mesh(_) if one.tracks.is_some() => ("changes over time", "use a mesh of a single file"),
+        Shape::Mesh(_) if !encloses(&one.shape) => ("has open edges", "close the holes of the mesh"),
+        Shape::Cylinder(_) | Shape::Cone(_) if !encloses(&one.shape) => {
+            ("is open", "leave out `capped: false`")
+        }
+        Shape::Particles(_) => {
+            ("particles cannot be parts", "write spheres, or use `clip` to cut particles open")
+        }
+        Shape::Group => ("is a group", "write a shape"),
+        _ if !encloses(&one.shape) => {
+            ("encloses nothing", "use a solid, such as a Box instead of a Rectangle")
+        }
+        _ => return Some(one.shape),
+    };
+    node.fault(Fault::new(node.head(), title, label).help(help));
+    None
+}
