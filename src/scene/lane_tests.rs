@@ -8,8 +8,8 @@ use crate::base::math::{DAffine3, DVec3, Ray};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::mesh::{self, Normals, generate};
 use crate::geometry::shape::{
-    Cone, Cuboid, Cylinder, Disk, Mesh, Particles, Plane, PreparedRay, RayInterval, Rectangle, Shape,
-    ShapeHit, Sphere, Surface, Torus, Triangle,
+    Cone, Cuboid, Cylinder, Disk, Mesh, Operation, Particles, Plane, PreparedRay, RayInterval, Rectangle,
+    Shape, ShapeHit, Solid, Sphere, Surface, Torus, Triangle,
 };
 use crate::sampling::LocalFrame;
 use crate::testing::{Random, eight_rays, eight_vectors};
@@ -151,6 +151,7 @@ fn shapes() -> Vec<Shape> {
     let mesh = |normals| Shape::Mesh(Mesh::new(mesh.clone(), normals));
     let (a, b, c) = (DVec3::new(-0.7, -0.6, 0.1), DVec3::new(0.8, -0.2, -0.3), DVec3::new(0.1, 0.9, 0.4));
     let cylinder = |capped| Shape::Cylinder(Cylinder::new(a, b, 0.4, capped).expect("a cylinder"));
+    let ball = |center, radius| Shape::Sphere(Sphere { center, radius });
     let cone = |top| Shape::Cone(Cone::new(a, c, 0.7, top, true).expect("a cone"));
     vec![
         Shape::Sphere(Sphere { center: a, radius: 0.8 }),
@@ -167,6 +168,11 @@ fn shapes() -> Vec<Shape> {
         mesh(Normals::Smooth),
         mesh(Normals::Flat),
         Shape::Particles(Particles::still([a, b, c].map(|center| Sphere { center, radius: 0.6 }).repeat(4))),
+        Shape::Solid(Solid::new(Operation::Difference, vec![ball(a, 1.1), ball(b, 0.9)])),
+        Shape::Solid(Solid::cut(
+            &mesh(Normals::Smooth),
+            [Plane { point: DVec3::ZERO, normal: c.normalize() }],
+        )),
     ]
 }
 

@@ -19,14 +19,17 @@ const MOST: usize = 64;
 
 /// The solid of these fields.
 pub fn solid(fields: &mut Fields<'_>, operation: Operation) -> Option<Solid> {
-    let place = fields.place("of");
-    let parts = fields.required("of", |node| list(node, "solids", operand))?;
+    Some(Solid::new(operation, fields.required("of", operands)?))
+}
+
+fn operands(node: Node<'_>) -> Option<Vec<Shape>> {
+    let parts = list(node, "solids", operand)?;
     let label = match parts.len() {
         0 | 1 => "needs at least two solids".to_owned(),
         more if more > MOST => format!("{more} solids; at most {MOST}"),
-        _ => return Some(Solid::new(operation, parts)),
+        _ => return Some(parts),
     };
-    fields.node().fault(Fault::new(place, "this list has the wrong length", label));
+    node.fault(Fault::new(node.span(), "this list has the wrong length", label));
     None
 }
 

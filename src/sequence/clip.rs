@@ -25,7 +25,8 @@ pub struct ClipDraft {
 pub fn clip(fields: &mut Fields<'_>, materials: &Names<'_>) -> Option<ClipDraft> {
     let planes = fields.or("clip", |node| list(node, "planes", plane), Vec::new());
     let cap = fields.optional("cap", |node| material_source(node, materials));
-    if fields.is_given("cap") && !fields.is_given("clip") {
+    // The cut may be that of an object above.
+    if fields.is_given("cap") && !fields.is_given("clip") && !fields.is_given("parent") {
         let title = "`cap` is the material of the faces at which `clip` cuts an object open";
         fields.node().fault(
             Fault::new(fields.place("cap"), title, "this object has no `clip`")

@@ -26,6 +26,7 @@ mod expand;
 mod expand_tests;
 #[cfg(test)]
 mod expand_value_tests;
+mod explode;
 mod fault;
 mod faults;
 mod fields;

@@ -2,6 +2,7 @@
 
 use super::clip::{ClipDraft, clip};
 use super::expand::{REPEAT, TEMPLATE, WITH, report_misplaced};
+use super::explode::{ExplodeDraft, explode};
 use super::fault::Fault;
 use super::fields::Fields;
 use super::instances::instances;
@@ -40,6 +41,7 @@ pub struct ObjectDraft {
     pub visible: Animated<bool>,
     pub rays: RayVisibility,
     pub clip: ClipDraft,
+    pub explode: Option<ExplodeDraft>,
     pub place: TransformPlace,
     /// The place of the field `material`.
     pub material_place: Range<usize>,
@@ -136,6 +138,7 @@ pub fn object(
     let shadows = fields.or("casts_shadow", keyed(switch), true);
     let seen = fields.or("seen_by", seen_by, [true.into(), true.into()]);
     let clip = clip(&mut fields, materials);
+    let explode = explode(&mut fields);
     // These names are known for suggestions.
     fields.used_up(TEMPLATE);
     fields.used_up(WITH);
@@ -162,6 +165,7 @@ pub fn object(
             visible: visible?,
             rays: rays?,
             clip: clip?,
+            explode: explode?,
             place: placed,
             material_place,
         })

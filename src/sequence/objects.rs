@@ -4,6 +4,7 @@ use super::carriers::CarriedDraft;
 use super::clip::{ClipDraft, bind_caps};
 use super::data_ranges;
 use super::deformations::{SceneDeformations, deform};
+use super::explode::{ExplodeDraft, depart};
 use super::fields::Fields;
 use super::material::material;
 use super::material_description::MaterialDescription;
@@ -64,6 +65,7 @@ pub fn materials_and_objects(
         objects.extend(below);
     }
     bind_caps(&mut table, &mut objects, below.caps);
+    depart(&mut objects, below.explode);
     let deformed = below.deformed.into_iter();
     let deformed = deformed.map(|(index, scene)| SceneDeformations { place: places[index].clone(), ..scene });
     deform(fields.node().file, &mut objects, deformed.collect());
@@ -137,6 +139,8 @@ struct Below {
     deformed: Vec<(usize, SceneDeformations)>,
     /// The material of the cut faces of each object.
     caps: Vec<Option<MaterialSource>>,
+    /// How the parts of each object depart from each other.
+    explode: Vec<Option<ExplodeDraft>>,
 }
 
 /// Gives every object the index of its material. Returns the nodes of scenes and the instances of objects apart.
@@ -145,9 +149,12 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
     let mut below = Below::default();
     let mut next_node = drafts.len();
     for (Named { name, value: draft }, parent) in drafts {
-        let ObjectDraft { shape, placements, scene, material, transform, visible, rays, clip, .. } = draft;
+        let ObjectDraft {
+            shape, placements, scene, material, transform, visible, rays, clip, explode, ..
+        } = draft;
         let ClipDraft { planes: clip, cap } = clip;
         below.caps.push(cap);
+        below.explode.push(explode);
         let ShapeOverTime { shape, tracks } = shape;
         let made_of = table.bind(material, &name);
         let parent = parent.map(|parent| parent.index);

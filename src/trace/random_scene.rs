@@ -20,7 +20,8 @@ use crate::film::filter::FilterSampler;
 use crate::film::{AovSet, LayerId};
 use crate::geometry::mesh::{self, Normals, generate};
 use crate::geometry::shape::{
-    Cone as ConeShape, Cuboid, Cylinder, Disk, Mesh, Plane, Rectangle, Shape, Sphere, Triangle,
+    Cone as ConeShape, Cuboid, Cylinder, Disk, Mesh, Operation, Plane, Rectangle, Shape, Solid, Sphere,
+    Triangle,
 };
 use crate::scene::top_level::Bvh;
 use crate::scene::{Finish, Geometry, Scene, Shading, Weights};
@@ -106,7 +107,8 @@ fn shape(random: &mut Random, kind: usize) -> Shape {
     let mut point = || random.point(3.0);
     let (a, b, c) = (point(), point(), point());
     let radius = 0.2 + random.unit();
-    match kind % 8 {
+    let operation = one_of(random, &[Operation::Difference, Operation::Intersection, Operation::Union]);
+    match kind % 10 {
         0 => Shape::Plane(Plane { point: a, normal: b.normalize_or(DVec3::Y) }),
         1 => Shape::Triangle(Triangle { corners: [a, b, c] }),
         2 => Shape::Cuboid(Cuboid { min: a.min(b), max: a.max(b) }),
@@ -114,6 +116,14 @@ fn shape(random: &mut Random, kind: usize) -> Shape {
         4 => Shape::Rectangle(Rectangle { corner: a, u: b, v: b.cross(c) }),
         5 => Shape::Cylinder(Cylinder::new(a, b, radius, true).expect("a cylinder")),
         6 => Shape::Cone(ConeShape::new(a, b, radius, 0.0, true).expect("a cone")),
+        7 => {
+            let parts = vec![shape(random, 2), Shape::Sphere(Sphere { center: a, radius: 2.0 * radius })];
+            Shape::Solid(Solid::new(operation, parts))
+        }
+        8 => {
+            let cut = Plane { point: a, normal: c.normalize_or(DVec3::Y) };
+            Shape::Solid(Solid::cut(&shape(random, 2 + kind % 5), [cut]))
+        }
         _ => Shape::Sphere(Sphere { center: a, radius }),
     }
 }

@@ -36,6 +36,7 @@ mod annotations;
 mod background;
 mod counters;
 mod cross_fades;
+mod solids;
 mod coverage;
 mod coincident;
 mod sheets;

@@ -7,15 +7,15 @@ use crate::base::math::{DAffine3, DVec3, Ray};
 use crate::film::LayerId;
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{
-    Cone, Cuboid, Cylinder, Disk, Particles, Plane, PreparedRay, RayInterval, Rectangle, Shape, Sphere,
-    Torus, Triangle,
+    Cone, Cuboid, Cylinder, Disk, Operation, Particles, Plane, PreparedRay, RayInterval, Rectangle, Shape,
+    Solid, Sphere, Torus, Triangle,
 };
 use crate::scene::{Digests, Finish, Geometry, Shading};
 use crate::testing::{Random, eight_rays, geometry};
 
 fn random_shape(random: &mut Random) -> Shape {
     let p = random.point(10.0);
-    match (random.unit() * 10.0) as u32 {
+    match (random.unit() * 11.0) as u32 {
         0 => Shape::Sphere(Sphere { center: p, radius: 0.1 + random.unit() }),
         1 => Shape::Triangle(Triangle { corners: [p, p + random.point(1.0), p + random.point(1.0)] }),
         2 => Shape::Rectangle(Rectangle { corner: p, u: random.point(1.0), v: random.point(1.0) }),
@@ -33,6 +33,12 @@ fn random_shape(random: &mut Random) -> Shape {
         8 => {
             let sphere = |_| Sphere { center: p + random.point(1.0), radius: 0.1 + 0.3 * random.unit() };
             Shape::Particles(Particles::still((0..20).map(sphere).collect()))
+        }
+        9 => {
+            let ball = |center| Shape::Sphere(Sphere { center, radius: 0.5 + 0.5 * random.unit() });
+            let operations = [Operation::Difference, Operation::Intersection, Operation::Union];
+            let parts = [p, p + DVec3::X * 0.7].map(ball).to_vec();
+            Shape::Solid(Solid::new(operations[(random.unit() * 3.0) as usize], parts))
         }
         // A grid of flat axis-aligned tiles: boxes without thickness, and shared edges.
         _ => {

@@ -50,6 +50,9 @@ impl Solid {
                 Shape::Particles(_) => by_depth(of, crossings, &mut changes),
                 _ => by_side(of, crossings, end, &mut changes),
             }
+            if changes.len() == from && !end && self.needs(of) {
+                return Vec::new();
+            }
             states.push(changes.get(from).map_or(end, |first| first.before));
         }
         changes.sort_by(|a, b| a.low.total_cmp(&b.low).then(a.of.cmp(&b.of)));
@@ -102,6 +105,15 @@ impl Solid {
             order.then(at.t.total_cmp(&other.t))
         });
         hits.extend(best.map(|(of, at)| hit(of, at)));
+    }
+
+    /// Whether nothing is inside of the solid that is outside of a part.
+    fn needs(&self, part: usize) -> bool {
+        match self.0.operation {
+            Operation::Intersection => true,
+            Operation::Difference => part == 0,
+            Operation::Union => false,
+        }
     }
 
     /// Whether a place is inside of the solid, from where it is inside of the parts.

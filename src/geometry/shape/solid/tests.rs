@@ -96,7 +96,7 @@ fn rays_enter_and_leave_in_turn() {
 }
 
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes; cargo test --release --lib none_of_a_million_rays_leaks -- --ignored"]
 fn none_of_a_million_rays_leaks() {
     for (number, solid) in hard_cases().iter().enumerate() {
         assert_eq!(count_leaks(solid, 1_000_000), 0, "case {number}");
