@@ -134,7 +134,7 @@ mod tests {
     use crate::sequence::parse;
 
     /// Three balls in a row, of which the second and third are one part, in a group with this field.
-    fn positions(explode: &str, seconds: i64) -> Vec<DVec3> {
+    fn positions(explode: &str, seconds: i128) -> Vec<DVec3> {
         let text = format!(
             r#"(timeline: (frames: 4, fps: 1), objects: {{
                 "all": (shape: Group, explode: {explode}),
