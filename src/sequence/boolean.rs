@@ -14,8 +14,8 @@ pub const OPERATIONS: &[(&str, Operation)] = &[
     ("Union", Operation::Union),
 ];
 
-/// The most parts of one solid. Each ray tests all of them.
-const MOST: usize = 64;
+/// The most parts of a solid, with those of its parts. Each ray tests all of them.
+const MOST: usize = 256;
 
 /// The solid of these fields.
 pub fn solid(fields: &mut Fields<'_>, operation: Operation) -> Option<Solid> {
@@ -24,12 +24,15 @@ pub fn solid(fields: &mut Fields<'_>, operation: Operation) -> Option<Solid> {
 
 fn operands(node: Node<'_>) -> Option<Vec<Shape>> {
     let parts = list(node, "solids", operand)?;
-    let label = match parts.len() {
-        0 | 1 => "needs at least two solids".to_owned(),
-        more if more > MOST => format!("{more} solids; at most {MOST}"),
+    let all: usize = parts.iter().map(Shape::solid_count).sum();
+    let (title, label) = match parts.len() {
+        0 | 1 => ("this list has the wrong length", "needs at least two solids".to_owned()),
+        _ if all > MOST => {
+            ("this solid has too many parts", format!("{all} parts with those of its parts; at most {MOST}"))
+        }
         _ => return Some(parts),
     };
-    node.fault(Fault::new(node.span(), "this list has the wrong length", label));
+    node.fault(Fault::new(node.span(), title, label));
     None
 }
 

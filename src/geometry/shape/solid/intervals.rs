@@ -8,7 +8,7 @@
 
 use super::{Operation, Solid};
 use crate::base::lanes::Portable;
-use crate::base::math::{Ray, min};
+use crate::base::math::{Aabb, DVec3, Ray, min};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{CoincidenceRange, OneRay, PreparedRay, RayInterval, Shape, ShapeHit};
 
@@ -21,7 +21,13 @@ struct Crossing {
     /// In the part's own numbering.
     part: u32,
     enters: bool,
+    /// Whether the ray may only touch the surface here, without a second crossing beside this one.
+    grazes: bool,
 }
+
+/// The largest cosine between a ray and the normal where the ray may only touch a surface: rounding hides chords of curved
+/// surfaces whose ends have less than about the root of the unit roundoff.
+const GRAZING: f64 = 1e-6;
 
 /// Crossings of one part that rounding may have swapped: the part changes from `before` to `after`.
 #[derive(Debug)]
@@ -32,6 +38,13 @@ struct Change {
     before: bool,
     after: bool,
     crossings: Vec<Crossing>,
+}
+
+impl Change {
+    /// Whether the ray may stay on its side.
+    fn may_touch(&self) -> bool {
+        matches!(self.crossings[..], [Crossing { grazes: true, .. }])
+    }
 }
 
 impl Solid {
@@ -48,7 +61,10 @@ impl Solid {
             let end = inside_at_the_end(shape, &ray.ray);
             match shape {
                 Shape::Particles(_) => by_depth(of, crossings, &mut changes),
-                _ => by_side(of, crossings, end, &mut changes),
+                _ => {
+                    by_side(of, crossings, end, &mut changes);
+                    resolve_touches(shape, &ray.ray, &mut changes[from..]);
+                }
             }
             if changes.len() == from && !end && self.needs(of) {
                 return Vec::new();
@@ -138,7 +154,8 @@ fn crossings(shape: &Shape, ray: &TraversalRay, range: CoincidenceRange<f64>) ->
         let off = (ray.ray.origin + ray.ray.direction * at.t - surface.point).dot(surface.normal);
         let (error, most) = (surface.normal.abs().dot(surface.error) + off.abs(), range.end(at.t) - at.t);
         let error = if along == 0.0 { most } else { min(error / along.abs(), most) };
-        found.push(Crossing { t: at.t, error, part: at.part, enters: along < 0.0 });
+        let grazes = along.abs() <= GRAZING * ray.ray.direction.length() && !matches!(shape, Shape::Plane(_));
+        found.push(Crossing { t: at.t, error, part: at.part, enters: along < 0.0, grazes });
     });
     found.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
     found
@@ -179,8 +196,40 @@ fn by_side(of: usize, crossings: Vec<Crossing>, end: bool, changes: &mut Vec<Cha
         let entries = change.crossings.iter().filter(|at| at.enters).count();
         let exits = change.crossings.len() - entries;
         change.after = behind;
-        change.before = if entries == exits { behind } else { exits > entries };
+        change.before = if entries == exits || change.may_touch() { behind } else { exits > entries };
         behind = change.before;
+    }
+}
+
+/// Decides which of the crossings that may be touches change sides: those at which the states before and behind differ.
+/// Behind them, states are those before the next crossing.
+fn resolve_touches(shape: &Shape, ray: &Ray, changes: &mut [Change]) {
+    let Some(first) = changes.first() else { return };
+    let mut state = match first.may_touch() {
+        true => is_inside(shape, ray.origin),
+        false => first.before,
+    };
+    for change in changes {
+        if change.may_touch() {
+            change.before = state;
+        }
+        state = change.after;
+    }
+}
+
+/// Whether a point is inside of a shape: by the first crossing in a direction along which no shape is aligned.
+#[inline(never)]
+fn is_inside(shape: &Shape, point: DVec3) -> bool {
+    const SOMEWHERE: DVec3 = DVec3::new(0.411_7, 0.623_1, 0.665_3);
+    let is_outside = |bounds: Aabb| point.cmplt(bounds.min).any() || point.cmpgt(bounds.max).any();
+    if shape.bounds().is_some_and(is_outside) {
+        return false;
+    }
+    let ray = TraversalRay::new(Ray { origin: point, direction: SOMEWHERE });
+    let first = shape.intersect_up_to(&ray, f64::INFINITY);
+    match first {
+        Some(at) => shape.surface_at(&ray.ray, at).normal.dot(SOMEWHERE) > 0.0,
+        None => inside_at_the_end(shape, &ray.ray),
     }
 }
 
@@ -188,7 +237,9 @@ fn by_side(of: usize, crossings: Vec<Crossing>, end: bool, changes: &mut Vec<Cha
 fn by_depth(of: usize, crossings: Vec<Crossing>, changes: &mut Vec<Change>) {
     let from = changes.len();
     let mut depth = 0i64;
-    for at in crossings.into_iter().rev() {
+    let alone = |part: u32| crossings.iter().filter(|at| at.part == part).count() == 1;
+    let touches: Vec<bool> = crossings.iter().map(|at| at.grazes && alone(at.part)).collect();
+    for (at, _) in crossings.into_iter().zip(touches).rev().filter(|(_, touches)| !touches) {
         let after = depth > 0;
         depth += if at.enters { -1 } else { 1 };
         let (low, high) = (at.t - at.error, at.t + at.error);

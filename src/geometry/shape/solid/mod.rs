@@ -70,6 +70,16 @@ pub fn encloses(shape: &Shape) -> bool {
     }
 }
 
+impl Shape {
+    /// The number of shapes of which it is made: 1, if it is no solid made of others.
+    pub fn solid_count(&self) -> usize {
+        match self {
+            Self::Solid(solid) => solid.parts().iter().map(Self::solid_count).sum(),
+            _ => 1,
+        }
+    }
+}
+
 impl Solid {
     /// A solid of parts that enclose volumes.
     pub fn new(operation: Operation, parts: Vec<Shape>) -> Self {
