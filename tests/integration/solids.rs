@@ -86,7 +86,7 @@ fn groups_cut_what_is_below_them() {
 
 #[test]
 fn caps_have_a_material_of_their_own() {
-    let glowing = r#"(emission: (7, 0, 0), color: (0, 0, 0))"#;
+    let glowing = r#"(emission: 7, emission_color: (1, 0, 0), color: (0, 0, 0))"#;
     let seen = |fields: &str| {
         let objects =
             format!(r#""it": (shape: Sphere(), material: "matt", clip: [Plane(normal: (0, 0, 1))]{fields})"#);
