@@ -43,7 +43,8 @@ struct Change {
 impl Change {
     /// Whether the ray may stay on its side.
     fn may_touch(&self) -> bool {
-        matches!(self.crossings[..], [Crossing { grazes: true, .. }])
+        // A double root may be reported twice, both times from the same side.
+        self.crossings.iter().all(|at| at.grazes)
     }
 }
 
