@@ -22,9 +22,10 @@ impl ClipPlane {
         self.point.is_keyed() || self.normal.is_keyed()
     }
 
-    /// The plane at a time. A keyed normal may pass through zero on its way to the opposite direction.
-    pub fn at(&self, time: Time) -> Plane {
-        Plane { point: self.point.at(time), normal: self.normal.at(time).try_normalize().unwrap_or(DVec3::Y) }
+    /// The plane at a time. A keyed normal may pass through zero on its way to the opposite direction: then the plane has
+    /// no direction, and cuts nothing.
+    pub fn at(&self, time: Time) -> Option<Plane> {
+        Some(Plane { point: self.point.at(time), normal: self.normal.at(time).try_normalize()? })
     }
 }
 

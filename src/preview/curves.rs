@@ -106,6 +106,10 @@ pub fn curves(sequence: &Sequence) -> Value {
         let names = |field: &'static str| ["objects", label.as_str(), field];
         all.add(&format!("{label} · visible"), &names("visible"), &value.visible);
         all.add(&format!("{label} · translation"), &names("translation"), &value.transform.translation);
+        for plane in &value.clip {
+            all.add(&format!("{label} · clip point"), &names("clip"), &plane.point);
+            all.add(&format!("{label} · clip normal"), &names("clip"), &plane.normal);
+        }
         let rotation = format!("{label} · rotation");
         match &value.transform.rotation {
             Rotation::Quaternion(quaternion) => all.add(&rotation, &names("rotation"), quaternion),

@@ -3,7 +3,7 @@
 use super::instance_transform::{InstanceTransform, transformed};
 use crate::appearance::material::MaterialBinding;
 use crate::base::digest::Content;
-use crate::base::lanes::{Level, Real, Vec3, out_of_line};
+use crate::base::lanes::{Level, Mask, Real, Select, Vec3, out_of_line};
 use crate::base::math::{Aabb, DAffine3, LaneRay, Ray, inverse};
 use crate::geometry::bvh::{Stack, TraversalRay};
 use crate::geometry::ray_kinds::{RayKind, RayKinds};
@@ -86,22 +86,13 @@ impl Primitive {
         match self.finish {
             Finish::Material(MaterialBinding::One(index)) => Some(index),
             Finish::Material(MaterialBinding::Slots { first, count }) => {
-                let slot = match &self.shape {
-                    Shape::Mesh(shape) => shape.mesh.material_of(part),
-                    Shape::Solid(solid) => solid.material_of(part),
-                    _ => None,
-                };
-                Some(first + slot.map_or(count, u32::from))
+                Some(first + self.shape.material_of(part).map_or(count, u32::from))
             }
-            Finish::Material(MaterialBinding::Capped { first, count, cap }) => {
-                let slot = match &self.shape {
-                    Shape::Solid(solid) if solid.is_cap(part) => return Some(cap),
-                    Shape::Solid(solid) => solid.material_of(part),
-                    Shape::Mesh(shape) => shape.mesh.material_of(part),
-                    _ => None,
-                };
-                Some(first + slot.map_or(count, u32::from).min(count))
-            }
+            Finish::Material(MaterialBinding::Capped { first, count, cap }) => match &self.shape {
+                Shape::Solid(solid) if solid.is_cap(part) => Some(cap),
+                // A material of the file has one slot, whatever slots the mesh has.
+                shape => Some(first + shape.material_of(part).map_or(count, u32::from).min(count)),
+            },
             Finish::Light(_) | Finish::Empty => None,
         }
     }
@@ -194,14 +185,18 @@ impl Primitive {
     /// one triangle of a closed mesh, not two.
     #[inline(always)]
     pub fn passed<F: Real>(&self, surface: LaneSurface<F>, part: F::U32) -> LaneSurface<F> {
-        let Shape::Mesh(shape) = &self.shape else { return surface };
-        let mut corners = shape.triangle(part).corners;
+        let (mut corners, is_triangle) = match &self.shape {
+            Shape::Mesh(shape) => (shape.triangle(part).corners, F::Mask::splat(true)),
+            Shape::Solid(solid) => solid.triangles(part),
+            _ => return surface,
+        };
         if let Some(transform) = &self.transform {
             for corner in &mut corners {
                 *corner = transformed(&transform.to_world, *corner);
             }
         }
-        TriangleLanes { corners }.clear_of_edges(surface)
+        let moved = TriangleLanes { corners }.clear_of_edges(surface).point;
+        LaneSurface { point: Vec3::select(is_triangle, moved, surface.point), ..surface }
     }
 
     /// Samples points that `from` may see. Returns the points, their parts and their densities per steradian at

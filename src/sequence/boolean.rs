@@ -4,8 +4,9 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::node::Node;
 use super::shape::shape;
+use super::text_shape::TEXT;
 use super::values::list;
-use crate::geometry::shape::{Geometric, Operation, Shape, Solid, encloses};
+use crate::geometry::shape::{Geometric, Operation, Shape, Solid, encloses, part_count};
 
 /// The words for solids made of others.
 pub const OPERATIONS: &[(&str, Operation)] = &[
@@ -30,6 +31,10 @@ fn operands(node: Node<'_>) -> Option<Vec<Shape>> {
         _ if all > MOST => {
             ("this solid has too many parts", format!("{all} parts with those of its parts; at most {MOST}"))
         }
+        // Parts of meshes count too. Planes of a cut need a few numbers more.
+        _ if parts.iter().map(|part| u64::from(part_count(part))).sum::<u64>() > u64::from(u32::MAX / 2) => {
+            ("this solid has too many parts", "more than 2 billion triangles".to_owned())
+        }
         _ => return Some(parts),
     };
     node.fault(Fault::new(node.span(), title, label));
@@ -41,6 +46,9 @@ fn operand(node: Node<'_>) -> Option<Shape> {
     let title = "only what encloses a volume can be part of a solid";
     let (label, help) = match &one.shape {
         Shape::Mesh(_) if one.tracks.is_some() => ("changes over time", "use a mesh of a single file"),
+        Shape::Mesh(_) if node.word() == TEXT && !encloses(&one.shape) => {
+            ("is flat", "give the text a `depth`")
+        }
         Shape::Mesh(_) if !encloses(&one.shape) => ("has open edges", "close the holes of the mesh"),
         Shape::Cylinder(_) | Shape::Cone(_) if !encloses(&one.shape) => {
             ("is open", "leave out `capped: false`")

@@ -7,34 +7,40 @@ use super::material_table::MaterialTable;
 use super::names::Names;
 use super::node::Node;
 use super::object::{MaterialSource, material_source};
+use super::source_file::File;
 use super::values::{direction, list, vector};
 use super::words::{Variants, variant};
 use super::{Named, Object};
 use crate::base::math::DVec3;
 use crate::geometry::clip::ClipPlane;
 use crate::geometry::shape::Shape;
+use std::ops::Range;
 
-/// What cuts an object open, and the material of its cut faces.
-#[derive(Default)]
+/// What cuts an object open.
 pub struct ClipDraft {
     pub planes: Vec<ClipPlane>,
-    pub cap: Option<MaterialSource>,
+    /// The place of the planes.
+    pub place: Range<usize>,
+    pub cap: Option<CapDraft>,
 }
+
+/// The material of cut faces, and its place.
+pub struct CapDraft {
+    material: MaterialSource,
+    place: Range<usize>,
+}
+
+/// The most planes that cut one object. Each ray tests all of them.
+const MOST: usize = 64;
 
 /// Decodes `clip` and `cap` among the fields of an object.
 pub fn clip(fields: &mut Fields<'_>, materials: &Names<'_>) -> Option<ClipDraft> {
+    let [place, cap_place] = ["clip", "cap"].map(|field| fields.place(field));
     let planes = fields.or("clip", |node| list(node, "planes", plane), Vec::new());
-    let cap = fields.optional("cap", |node| material_source(node, materials));
-    // The cut may be that of an object above.
-    if fields.is_given("cap") && !fields.is_given("clip") && !fields.is_given("parent") {
-        let title = "`cap` is the material of the faces at which `clip` cuts an object open";
-        fields.node().fault(
-            Fault::new(fields.place("cap"), title, "this object has no `clip`")
-                .help("give it one, such as clip: [Plane(point: (0, 0, 0), normal: (1, 0, 0))]"),
-        );
-        return None;
-    }
-    Some(ClipDraft { planes: planes?, cap: cap? })
+    let cap = fields.optional("cap", |node| {
+        Some(CapDraft { material: material_source(node, materials)?, place: cap_place })
+    });
+    Some(ClipDraft { planes: planes?, place, cap: cap? })
 }
 
 fn plane(node: Node<'_>) -> Option<ClipPlane> {
@@ -50,31 +56,63 @@ fn plane_fields(node: Node<'_>) -> Option<ClipPlane> {
     Some(ClipPlane { point: point?, normal: normal? })
 }
 
-/// Gives objects the material of their cut faces: their own, or that of the nearest object above that has one.
+/// Gives objects the material of their cut faces: their own, or that of the nearest object above that has one. Planes may
+/// be those of objects above. The drafts are those of the first objects; what scenes and instances add is below these.
 pub fn bind_caps(
+    file: &File<'_>,
     table: &mut MaterialTable<'_>,
     objects: &mut [Named<Object>],
-    caps: Vec<Option<MaterialSource>>,
+    drafts: Vec<(Range<usize>, Option<CapDraft>)>,
 ) {
-    let bound: Vec<_> = caps
-        .into_iter()
-        .zip(objects.iter())
-        .map(|(cap, object)| {
-            let materials = table.bind(cap?, &format!("{} cap", object.name));
-            materials.indices().last()
-        })
-        .collect();
-    if bound.iter().all(Option::is_none) {
-        return;
-    }
+    let (places, drafts): (Vec<_>, Vec<_>) = drafts.into_iter().unzip();
+    let bind = |(draft, object): (Option<CapDraft>, &Named<Object>)| {
+        let CapDraft { material, place } = draft?;
+        let made_of = table.bind(material, &format!("{} cap", object.name));
+        Some(Cap { material: made_of.indices().last()?, place, is_used: false })
+    };
+    let mut caps: Vec<Option<Cap>> = drafts.into_iter().zip(objects.iter()).map(bind).collect();
     for index in 0..objects.len() {
-        let above = std::iter::successors(Some(index), |&at| objects[at].value.parent).take(objects.len());
-        let cap = above.filter_map(|at| bound.get(at).copied().flatten()).next();
-        let object = &mut objects[index].value;
-        if let Some(cap) = cap
-            && object.shape != Shape::Group
-        {
-            object.made_of = object.made_of.capped(cap);
+        let above = || std::iter::successors(Some(index), |&at| objects[at].value.parent).take(objects.len());
+        let planes: usize = above().map(|at| objects[at].value.clip.len()).sum();
+        if let Some(place) = places.get(index).filter(|_| planes > MOST) {
+            let (title, label) =
+                ("too many planes cut this object", format!("{planes} planes; at most {MOST}"));
+            file.push(Fault::new(place.clone(), title, label).help("planes of the objects above count too"));
+            return;
         }
+        let nearest = above().find(|at| matches!(caps.get(*at), Some(Some(_)))).filter(|_| planes > 0);
+        let Some(cap) = nearest.and_then(|at| caps[at].as_mut()) else { continue };
+        cap.is_used = true;
+        let object = &mut objects[index].value;
+        if object.shape == Shape::Group {
+            continue;
+        }
+        if object.made_of.indices().any(|own| own != cap.material && table.refract([own, cap.material])) {
+            file.push(
+                Fault::new(
+                    cap.place.clone(),
+                    "glass has one material on all sides",
+                    "another glass than the object",
+                )
+                .help("leave out `cap`, or give the material of the object"),
+            );
+            continue;
+        }
+        object.made_of = object.made_of.capped(cap.material);
     }
+    let title = "`cap` is the material of the faces at which `clip` cuts objects open";
+    for cap in caps.into_iter().flatten().filter(|cap| !cap.is_used) {
+        file.push(
+            Fault::new(cap.place, title, "no `clip` cuts this object or one below it")
+                .help("give it one, such as clip: [Plane(point: (0, 0, 0), normal: (1, 0, 0))]"),
+        );
+    }
+}
+
+/// A bound material of cut faces.
+struct Cap {
+    material: u32,
+    place: Range<usize>,
+    /// Whether planes cut the object or one below it.
+    is_used: bool,
 }

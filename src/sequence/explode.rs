@@ -63,9 +63,10 @@ pub fn depart(objects: &mut [Named<Object>], drafts: Vec<Option<ExplodeDraft>>) 
         return;
     }
     let bounds = bounds_within_parents(objects);
+    let explodes: Vec<bool> = drafts.iter().map(Option::is_some).collect();
     for (object, draft) in drafts.into_iter().enumerate() {
         let Some(draft) = draft else { continue };
-        let parts = parts_of(objects, object);
+        let parts = parts_of(objects, object, &explodes);
         let middles: Vec<DVec3> = parts.iter().map(|&part| middle(objects, &bounds, part)).collect();
         let all = parts.iter().filter_map(|&part| bounds[part]).reduce(Aabb::union);
         let center = all.map_or(DVec3::ZERO, |all| all.center());
@@ -89,14 +90,22 @@ impl ExplodeDraft {
     }
 }
 
-/// The objects right below an object. A single group there stands for those below it.
-fn parts_of(objects: &[Named<Object>], object: usize) -> Vec<usize> {
+/// The objects right below an object. If that is only one, a group that does not explode itself, those below it: such as
+/// the root of a scene. Meshes that move with other objects are not parts: what carries them moves them.
+fn parts_of(objects: &[Named<Object>], object: usize, explodes: &[bool]) -> Vec<usize> {
     let mut above = object;
     for _ in 0..objects.len() {
-        let parts: Vec<usize> =
-            (0..objects.len()).filter(|&part| objects[part].value.parent == Some(above)).collect();
+        let is_part = |part: &usize| {
+            objects[*part].value.parent == Some(above) && objects[*part].value.skin_of.is_none()
+        };
+        let parts: Vec<usize> = (0..objects.len()).filter(is_part).collect();
         match parts[..] {
-            [only] if objects[only].value.shape == Shape::Group => above = only,
+            [only]
+                if objects[only].value.shape == Shape::Group
+                    && !explodes.get(only).is_some_and(|own| *own) =>
+            {
+                above = only;
+            }
             _ => return parts,
         }
     }

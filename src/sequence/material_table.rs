@@ -48,6 +48,14 @@ impl<'a> MaterialTable<'a> {
         }
     }
 
+    /// Whether each of these materials may refract light.
+    pub fn refract(&self, indices: [u32; 2]) -> bool {
+        indices.iter().all(|index| {
+            let material = &self.materials[*index as usize].value;
+            material.refraction.strength.values().any(|strength| *strength != 0.0)
+        })
+    }
+
     fn list(&mut self, given: &MeshMaterials, name: &str) -> MaterialBinding {
         let address = Rc::as_ptr(given).cast();
         if let Some(known) = self.lists.get(&address) {

@@ -23,6 +23,7 @@ impl Sequence {
         notes.extend(self.white_ambient());
         notes.extend(self.ignored_alpha());
         notes.extend(self.missing_libraries());
+        notes.extend(self.cuts_without_caps());
         notes.extend(self.energy_gains());
         notes.extend(self.unused_reuse());
         let height = self.output.size.1;
@@ -85,7 +86,12 @@ fn used(object: &Object) -> impl Iterator<Item = u32> {
     let indices = object.made_of.indices();
     let mesh = if let Shape::Mesh(shape::Mesh { mesh, .. }) = &object.shape { Some(mesh) } else { None };
     let rest = match (object.made_of, mesh) {
-        (MaterialBinding::Slots { first, count }, Some(mesh)) => {
+        // Without a material of their own, faces at which planes cut the mesh open show that of the rest.
+        (MaterialBinding::Slots { .. }, Some(_)) if !object.clip.is_empty() => None,
+        (
+            MaterialBinding::Slots { first, count } | MaterialBinding::Capped { first, count, .. },
+            Some(mesh),
+        ) => {
             let all = (0..mesh.triangles().len() as u32).all(|part| mesh.material_of(part).is_some());
             all.then_some(first + count)
         }

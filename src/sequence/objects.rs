@@ -1,7 +1,7 @@
 //! Decodes `materials` and `objects`, and gives every object the indices of its parent and its materials.
 
 use super::carriers::CarriedDraft;
-use super::clip::{ClipDraft, bind_caps};
+use super::clip::{CapDraft, ClipDraft, bind_caps};
 use super::data_ranges;
 use super::deformations::{SceneDeformations, deform};
 use super::explode::{ExplodeDraft, depart};
@@ -11,7 +11,7 @@ use super::material_description::MaterialDescription;
 use super::material_table::MaterialTable;
 use super::names::{Entry, Names, decoded, entries, named, places_of};
 use super::node::Node;
-use super::object::{MaterialSource, ObjectDraft, Parent, object, report_circles};
+use super::object::{ObjectDraft, Parent, object, report_circles};
 use super::pose_tracks::Placement;
 use super::scene::{NodeMaterial, SceneDraft, SceneNode, UniqueNames, scene, scene_of};
 use super::shape::ShapeOverTime;
@@ -64,7 +64,7 @@ pub fn materials_and_objects(
         places.extend(std::iter::repeat_n(places[index].clone(), count));
         objects.extend(below);
     }
-    bind_caps(&mut table, &mut objects, below.caps);
+    bind_caps(fields.node().file, &mut table, &mut objects, below.caps);
     depart(&mut objects, below.explode);
     let deformed = below.deformed.into_iter();
     let deformed = deformed.map(|(index, scene)| SceneDeformations { place: places[index].clone(), ..scene });
@@ -137,8 +137,8 @@ struct Below {
     instances: Vec<(usize, Vec<Named<Object>>)>,
     carried: Vec<(usize, CarriedDraft)>,
     deformed: Vec<(usize, SceneDeformations)>,
-    /// The material of the cut faces of each object.
-    caps: Vec<Option<MaterialSource>>,
+    /// The place of the planes that cut each object, and the material of its cut faces.
+    caps: Vec<(Range<usize>, Option<CapDraft>)>,
     /// How the parts of each object depart from each other.
     explode: Vec<Option<ExplodeDraft>>,
 }
@@ -152,8 +152,8 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
         let ObjectDraft {
             shape, placements, scene, material, transform, visible, rays, clip, explode, ..
         } = draft;
-        let ClipDraft { planes: clip, cap } = clip;
-        below.caps.push(cap);
+        let ClipDraft { planes: clip, place, cap } = clip;
+        below.caps.push((place, cap));
         below.explode.push(explode);
         let ShapeOverTime { shape, tracks } = shape;
         let made_of = table.bind(material, &name);

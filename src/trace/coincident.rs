@@ -127,9 +127,14 @@ impl TraceContext<'_> {
         }
         let out = surface.normal;
         let [from, to] = [out, -out].map(|side| spawn_ray(surface, side).origin);
-        let across = Ray { origin: from, direction: to - from };
+        // Points of a face through the origin may be exact. Then both origins are neighbours of zero, from where ends of
+        // other parts of the shape would be too many lengths of the ray away.
+        let exponent = libm::ilogb((to - from).abs().max_element()).clamp(-1074, 1023);
+        let direction = (to - from).map(|v| libm::scalbn(v, -exponent));
+        let across = Ray { origin: from, direction };
+        let within = RayInterval::up_to(libm::scalbn(1.0, exponent));
         let (mut count, mut alike) = (0, true);
-        primitive.each_crossing::<Portable>(&TraversalRay::new(across), RayInterval::up_to(1.0), &mut |at| {
+        primitive.each_crossing::<Portable>(&TraversalRay::new(across), within, &mut |at| {
             count += 1;
             alike &= (primitive.surface_at(&across, at).normal.dot(out) >= 0.0) == enters;
         });

@@ -69,7 +69,7 @@ pub fn cuts(now: Res<Now>, mut cut: Query<(Entity, &ClippedBy, &mut ClipPlanes)>
     for (object, by, mut planes) in &mut cut {
         let mut all = Vec::new();
         for (owner, tracks) in &by.0 {
-            let own: Vec<Plane> = tracks.iter().map(|plane| plane.at(now.0.time)).collect();
+            let own: Vec<Plane> = tracks.iter().filter_map(|plane| plane.at(now.0.time)).collect();
             if *owner == object {
                 all.extend(own);
             } else if let (Ok(above), Ok(below)) = (placed.get(*owner), placed.get(object)) {

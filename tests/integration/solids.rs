@@ -52,6 +52,19 @@ fn solids_look_like_equal_shapes() {
     );
 }
 
+/// Points on planes through the origin have no error.
+#[test]
+fn faces_through_the_origin_look_like_others() {
+    let half = |x: f64| {
+        pictured(&format!(
+            r#""it": (shape: Sphere(), material: "glass", clip: [Plane(point: ({x}, 0, 0), normal: (1, 0, 0))])"#
+        ))
+    };
+    let (exact, beside) = (half(0.0), half(1e-9));
+    let differ = exact.iter().zip(&beside).filter(|(a, b)| (**a - **b).length() > 1e-5).count();
+    assert!(differ <= 2, "{differ} pixels differ");
+}
+
 #[test]
 fn cuts_look_like_intersections_with_half_spaces() {
     let cut = |material: &str| {

@@ -17,6 +17,10 @@ impl Shape {
             (Self::Particles(own), Self::Particles(other)) if Arc::ptr_eq(&own.0, &other.0) => 0,
             (Self::Mesh(own), _) => own.mesh.triangles().len() as u64 * TRIANGLE,
             (Self::Particles(own), _) => own.0.spheres().len() as u64 * PARTICLE,
+            (Self::Solid(own), Self::Solid(other)) => {
+                let other = other.parts().iter().chain(std::iter::repeat(&Self::Group));
+                own.parts().iter().zip(other).map(|(own, other)| own.bytes_besides(other)).sum()
+            }
             (Self::Solid(own), _) => own.parts().iter().map(|part| part.bytes_besides(&Self::Group)).sum(),
             _ => 0,
         }

@@ -57,7 +57,7 @@ pub use part_search::{any_part_on, nearest_part_on};
 pub use particles::{ParticleRows, ParticleSet, ParticleTracks, Particles, SameTime};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
-pub use solid::{Operation, Solid, encloses};
+pub use solid::{Operation, Solid, encloses, part_count};
 pub use sphere::{Sphere, SphereLanes};
 pub use stored_rays::{StoredRays, store_lanes};
 pub use surface::{ShapeHit, Surface};
@@ -215,6 +215,33 @@ impl Shape {
     /// Whether the shape may have data: see [`Shape::number`].
     pub fn has_data(&self) -> bool {
         self.has_tree() || matches!(self, Self::Solid(_))
+    }
+
+    /// The mesh that the shape is, or those of which it is made.
+    pub fn meshes(&self) -> Vec<&Mesh> {
+        match self {
+            Self::Mesh(mesh) => vec![mesh],
+            Self::Solid(solid) => solid.parts().iter().flat_map(Self::meshes).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The corners of a part that is a triangle of a mesh.
+    pub fn triangle_of(&self, part: u32) -> Option<[DVec3; 3]> {
+        match self {
+            Self::Mesh(mesh) => Some(mesh.mesh.corners(part)),
+            Self::Solid(solid) => solid.triangle_of(part),
+            _ => None,
+        }
+    }
+
+    /// The slot of the material of a part, if it is a triangle of a mesh with materials.
+    pub fn material_of(&self, part: u32) -> Option<u16> {
+        match self {
+            Self::Mesh(mesh) => mesh.mesh.material_of(part),
+            Self::Solid(solid) => solid.material_of(part),
+            _ => None,
+        }
     }
 
     /// A number of the data at a point of a part: of a mesh, or of a particle.

@@ -5,6 +5,8 @@ use crate::base::digest::{Content, Digest};
 use crate::base::time::Clock;
 use crate::camera::Camera;
 use crate::film::LayerId;
+use crate::geometry::clip::ClipPlane;
+use crate::geometry::shape::Plane;
 use crate::sequence::{Object, Sequence};
 
 /// A part of the sequence that has keys or a path.
@@ -69,14 +71,14 @@ pub fn values(sequence: &Sequence, clock: &Clock) -> Vec<(AnimatedPart, Digest)>
         note(AnimatedPart::Camera(active), &camera);
     }
     for (index, object) in sequence.objects.iter().enumerate() {
-        let Object { transform, visible, rays, tracks, .. } = &object.value;
+        let Object { transform, visible, rays, tracks, clip, .. } = &object.value;
         let tracks = tracks.as_ref().filter(|tracks| tracks.is_keyed());
-        if transform.is_keyed() || visible.is_keyed() || rays.is_keyed() || tracks.is_some() {
+        let cuts = clip.iter().any(ClipPlane::is_keyed);
+        if transform.is_keyed() || visible.is_keyed() || rays.is_keyed() || tracks.is_some() || cuts {
             let shape = tracks.map(|tracks| tracks.digest(time));
-            note(
-                AnimatedPart::Object(index),
-                &(transform.at(time), (visible.at(time), rays.at(time)), shape),
-            );
+            let clip: Vec<Option<Plane>> = clip.iter().map(|plane| plane.at(time)).collect();
+            let shown = (visible.at(time), rays.at(time));
+            note(AnimatedPart::Object(index), &((transform.at(time), shown), (shape, clip)));
         }
     }
     for (index, light) in sequence.lights.iter().enumerate() {

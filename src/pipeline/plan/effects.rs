@@ -6,7 +6,6 @@ use crate::appearance::texture::Texture;
 use crate::base::color::Rgb;
 use crate::camera::Projection;
 use crate::film::LayerId;
-use crate::geometry::shape::Shape;
 use crate::pipeline::schedule::FrameState;
 use crate::scene::{Primitive, Scene};
 
@@ -82,10 +81,7 @@ pub fn scene_effects(scene: &Scene, state: &FrameState, lit: &[LayerId]) -> Vec<
         found.extend(of_material(material).map(|effect| (effect, EffectSource::Material(index))));
         found.extend(of_textures(material).map(|effect| (effect, EffectSource::Material(index))));
     }
-    let smooth = |primitive: &&Primitive| match &primitive.shape {
-        Shape::Mesh(shape) => shape.is_smooth(),
-        _ => false,
-    };
+    let smooth = |primitive: &&Primitive| primitive.shape.meshes().iter().any(|mesh| mesh.is_smooth());
     if let Some(primitive) = scene.geometry.primitives.iter().find(smooth) {
         found.extend(
             primitive

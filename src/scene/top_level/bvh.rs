@@ -64,6 +64,8 @@ const CHEAP: usize = 12;
 fn cost(primitive: &Primitive) -> usize {
     match (&primitive.shape, &primitive.transform) {
         (Shape::Sphere(_) | Shape::Rectangle(_) | Shape::Disk(_) | Shape::Cuboid(_), None) => 1,
+        // All crossings of all parts, which are sorted.
+        (Shape::Solid(_), _) => 8 * primitive.shape.solid_count(),
         _ => 2,
     }
 }

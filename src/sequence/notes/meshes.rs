@@ -41,7 +41,8 @@ impl Sequence {
         let mut seen = HashSet::new();
         let mut meshes = Vec::new();
         for Named { name, value: Object { shape, made_of, .. } } in &self.objects {
-            let (Shape::Mesh(shape::Mesh { mesh, .. }), MaterialBinding::Slots { .. }) = (shape, made_of)
+            let (Shape::Mesh(shape::Mesh { mesh, .. }), false) =
+                (shape, matches!(made_of, MaterialBinding::One(_)))
             else {
                 continue;
             };
@@ -84,6 +85,23 @@ impl Sequence {
             )
         };
         meshes.map(note).collect()
+    }
+
+    /// Meshes with open edges that planes cut: they get no caps.
+    pub(super) fn cuts_without_caps(&self) -> Vec<String> {
+        let is_cut = |index: usize| self.ancestry(index).any(|at| !self.objects[at].value.clip.is_empty());
+        let mut seen = HashSet::new();
+        let mut notes = Vec::new();
+        for (index, Named { name, value: Object { shape, .. } }) in self.objects.iter().enumerate() {
+            let Shape::Mesh(shape::Mesh { mesh, .. }) = shape else { continue };
+            if is_cut(index) && seen.insert(Arc::as_ptr(mesh)) && !mesh.is_closed() {
+                notes.push(format!(
+                    "the mesh of `{}` has open edges or sheets, so that `clip` leaves it open, without caps",
+                    shortened(name)
+                ));
+            }
+        }
+        notes
     }
 
     /// Missing material libraries that no object needs. Otherwise, they are faults.

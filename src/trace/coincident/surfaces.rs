@@ -3,7 +3,7 @@
 use crate::base::math::{DVec3, Ray, min};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::ray_kinds::RayKind;
-use crate::geometry::shape::{RayInterval, Shape, Surface};
+use crate::geometry::shape::{RayInterval, Surface};
 use crate::scene::top_level::Hit;
 use crate::trace::context::TraceContext;
 use crate::trace::materials::LobeSet;
@@ -116,11 +116,9 @@ impl TraceContext<'_> {
 
     /// Whether two triangles of a mesh have the same corners.
     fn have_same_corners(&self, a: &Hit, b: &Hit) -> bool {
-        let Shape::Mesh(mesh) = &self.scene.geometry.primitives[a.primitive as usize].shape else {
-            return false;
-        };
-        let [a, b] = [a, b].map(|hit| mesh.mesh.corners(hit.at.part));
-        a.iter().all(|corner| b.contains(corner))
+        let shape = &self.scene.geometry.primitives[a.primitive as usize].shape;
+        let [a, b] = [a, b].map(|hit| shape.triangle_of(hit.at.part));
+        a.zip(b).is_some_and(|(a, b)| a.iter().all(|corner| b.contains(corner)))
     }
 }
 

@@ -36,14 +36,30 @@ impl Solid {
 
 /// Vectors of lanes.
 #[inline(always)]
-fn gathered<F: Real>(surfaces: &[Surface; 8], of: impl Fn(&Surface) -> DVec3) -> Vec3<F> {
+fn gathered<F: Real, T>(all: &[T; 8], of: impl Fn(&T) -> DVec3) -> Vec3<F> {
     let mut rows = [F::splat(0.0).to_array(); 3];
     for lane in 0..F::LANES {
-        let v = of(&surfaces[lane]);
+        let v = of(&all[lane]);
         (rows[0][lane], rows[1][lane], rows[2][lane]) = (v.x, v.y, v.z);
     }
     let [x, y, z] = rows.map(F::from_array);
     Vec3::new(x, y, z)
+}
+
+impl Solid {
+    /// The corners of parts, and which of these are triangles of meshes.
+    #[inline(always)]
+    pub fn triangles<F: Real>(&self, parts: F::U32) -> ([Vec3<F>; 3], F::Mask) {
+        let parts = parts.to_array();
+        let (mut corners, mut known) = ([[DVec3::ZERO; 8]; 3], 0);
+        for lane in 0..F::LANES {
+            if let Some([a, b, c]) = self.triangle_of(parts[lane]) {
+                (corners[0][lane], corners[1][lane], corners[2][lane]) = (a, b, c);
+                known |= 1 << lane;
+            }
+        }
+        (corners.map(|corners| gathered(&corners, |corner| *corner)), F::Mask::from_bits(known))
+    }
 }
 
 impl Geometric for Solid {

@@ -1,16 +1,18 @@
 //! Solids made of solids: differences, intersections and unions, and shapes that planes cut open.
 //!
-//! A ray is inside of a solid in intervals. Those of a solid made of others follow from the intervals of its parts, in
-//! `intervals`. A plane is the half-space behind it, so a cut is an intersection with half-spaces.
+//! A ray is inside of a solid in intervals. Those of a solid made of others follow from the intervals of its parts, which
+//! are in `crossings`, those of the solid in `intervals`. A plane is the half-space behind it, so a cut is an intersection with half-spaces.
 
+mod crossings;
 mod geometric;
 mod intervals;
 #[cfg(test)]
 mod tests;
 
-use super::{Mesh, Plane, Shape};
+use super::{CoincidenceRange, Mesh, Plane, PreparedRay, Shape};
 use crate::base::digest::{Content, Digester};
 use crate::base::math::{Aabb, DVec3, max};
+use crate::geometry::bvh::TraversalRay;
 use crate::geometry::mesh::ArrayKey;
 use std::sync::Arc;
 
@@ -23,6 +25,19 @@ pub enum Operation {
     Intersection,
     /// What is inside any part.
     Union,
+}
+
+impl Operation {
+    /// Whether a place is inside of the solid, from where it is inside of the parts.
+    fn is_inside(self, states: &[bool]) -> bool {
+        match self {
+            Self::Intersection => states.iter().all(|inside| *inside),
+            Self::Union => states.iter().any(|inside| *inside),
+            Self::Difference => {
+                states.split_first().is_some_and(|(first, rest)| *first && !rest.contains(&true))
+            }
+        }
+    }
 }
 
 /// A solid made of others, all in its own space. Its parts are shared, because copies of a solid are common.
@@ -46,8 +61,8 @@ struct Inner {
 /// No shape has more parts than this, except meshes and particles.
 const MOST_PARTS: u32 = 8;
 
-/// How many part numbers a shape needs.
-fn part_count(shape: &Shape) -> u32 {
+/// How many part numbers a shape needs; `u32::MAX` if there are not as many.
+pub fn part_count(shape: &Shape) -> u32 {
     match shape {
         Shape::Mesh(mesh) => mesh.mesh.triangles().len() as u32,
         Shape::Particles(particles) => particles.0.spheres().len() as u32,
@@ -132,11 +147,13 @@ impl Solid {
     /// The slot of the material of a part, if it is a triangle of a mesh with materials.
     pub fn material_of(&self, part: u32) -> Option<u16> {
         let (index, part) = self.of(part);
-        match &self.0.parts[index] {
-            Shape::Mesh(mesh) => mesh.mesh.material_of(part),
-            Shape::Solid(solid) => solid.material_of(part),
-            _ => None,
-        }
+        self.0.parts[index].material_of(part)
+    }
+
+    /// See [`Shape::triangle_of`].
+    pub fn triangle_of(&self, part: u32) -> Option<[DVec3; 3]> {
+        let (index, part) = self.of(part);
+        self.0.parts[index].triangle_of(part)
     }
 
     /// See [`Shape::number`].
@@ -148,9 +165,14 @@ impl Solid {
 
 impl Content for Solid {
     fn feed(&self, into: &mut Digester) {
-        let Inner { operation, parts, first: _, cuts, is_open, reach: _ } = &*self.0;
-        ((operation, parts), (*cuts as u32, is_open)).feed(into);
+        let Inner { operation, parts, first: _, cuts, is_open: _, reach: _ } = &*self.0;
+        ((operation, parts), *cuts as u32).feed(into);
     }
+}
+
+/// The range of t within which hits of a shape with this largest coordinate may coincide.
+fn coincidence_range(ray: &TraversalRay, reach: f64) -> CoincidenceRange<f64> {
+    PreparedRay::<f64>::splat(ray).coincidence_range(reach)
 }
 
 /// The largest coordinate of a shape; of a plane, of its point.

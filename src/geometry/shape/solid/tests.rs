@@ -1,8 +1,10 @@
 use super::*;
 use crate::base::math::Ray;
 use crate::geometry::bvh::TraversalRay;
+use crate::geometry::mesh::{MeshData, Normals, TriangleMesh, generate};
 use crate::geometry::shape::{Cuboid, Cylinder, OneRay, Rectangle, Sphere, Torus};
 use crate::testing::Random;
+use std::sync::Arc;
 
 /// Rays per sweep; the ignored test traces more.
 const RAYS: u32 = 20_000;
@@ -24,6 +26,27 @@ fn hits(solid: &Solid, origin: DVec3, direction: DVec3) -> Vec<(f64, bool)> {
     let ray = Ray { origin, direction };
     let all = solid.hits(&TraversalRay::new(ray)).into_iter();
     all.map(|at| (at.t, solid.surface_at(&ray, at).normal.dot(direction) < 0.0)).collect()
+}
+
+/// A mesh of several boxes; those from `turned` on are wound inwards.
+fn boxes(corners: &[([f64; 3], [f64; 3])], turned: usize) -> Shape {
+    let mut data = MeshData::default();
+    for (number, (min, max)) in corners.iter().enumerate() {
+        let first = data.positions.len() as u32;
+        let corner =
+            |at: u32| DVec3::from_array([0, 1, 2].map(|axis| [min, max][(at >> axis) as usize & 1][axis]));
+        data.positions.extend((0..8).map(corner));
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let halves = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        let wound = halves.map(|[a, b, c]| if number < turned { [a, b, c] } else { [a, c, b] });
+        data.triangles.extend(wound.map(|corners: [u32; 3]| corners.map(|corner| first + corner)));
+    }
+    Shape::Mesh(Mesh::new(Arc::new(TriangleMesh::new(data).expect("a mesh")), Normals::Flat))
+}
+
+fn icosphere() -> Shape {
+    let mesh = TriangleMesh::new(generate::icosphere(2)).expect("a mesh");
+    Shape::Mesh(Mesh::new(Arc::new(mesh), Normals::Smooth))
 }
 
 fn hard_cases() -> Vec<Solid> {
@@ -57,7 +80,20 @@ fn hard_cases() -> Vec<Solid> {
         // Spheres that touch from outside, and from inside.
         Solid::new(Operation::Union, vec![sphere(DVec3::X * -0.5, 0.5), sphere(DVec3::X * 0.5, 0.5)]),
         Solid::new(Operation::Difference, vec![ball.clone(), sphere(DVec3::X * 0.5, 0.5)]),
-        Solid::new(Operation::Intersection, vec![block, sphere(DVec3::ZERO, 1.2)]),
+        Solid::new(Operation::Intersection, vec![block.clone(), sphere(DVec3::ZERO, 1.2)]),
+        // Meshes: rays meet their corners, edges and diagonals. Shells overlap, and one leaves a hollow.
+        Solid::cut(&boxes(&[([-1.0; 3], [1.0; 3])], 1), [plane(DVec3::ZERO, DVec3::X)]),
+        Solid::cut(&boxes(&[([-1.0; 3], [1.0; 3])], 0), [plane(DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0))]),
+        Solid::cut(
+            &boxes(&[([-1.0; 3], [0.5; 3]), ([-0.5; 3], [1.0; 3])], 2),
+            [plane(DVec3::ZERO, DVec3::X)],
+        ),
+        Solid::cut(
+            &boxes(&[([-1.0; 3], [1.0; 3]), ([-0.5; 3], [0.5; 3])], 1),
+            [plane(DVec3::ZERO, DVec3::X)],
+        ),
+        Solid::cut(&icosphere(), [plane(DVec3::ZERO, DVec3::X), plane(DVec3::ZERO, DVec3::ONE)]),
+        Solid::new(Operation::Difference, vec![block, icosphere()]),
     ]
 }
 
@@ -129,6 +165,30 @@ fn hits_agree_with_the_points_inside() {
             assert_eq!(crossed % 2 == 1, expected, "{operation:?} {point}");
         }
     }
+}
+
+/// Where shells overlap, whichever way they are wound, the mesh is one solid, and a shell in another wound against it
+/// leaves a hollow.
+#[test]
+fn cut_meshes_are_solid_where_their_shells_are() {
+    let right = plane(DVec3::Y * 0.25, DVec3::Y);
+    let along = |mesh: &Shape| {
+        let solid = Solid::cut(mesh, [right]);
+        hits(&solid, DVec3::new(-5.0, 0.1, 0.2), DVec3::X).into_iter().map(|(t, _)| t).collect::<Vec<_>>()
+    };
+    let down = |mesh: &Shape| {
+        let solid = Solid::cut(mesh, [right]);
+        hits(&solid, DVec3::new(0.1, 5.0, 0.2), DVec3::NEG_Y).into_iter().map(|(t, _)| t).collect::<Vec<_>>()
+    };
+    let overlapping = [([-1.0; 3], [0.5; 3]), ([-0.5; 3], [1.0; 3])];
+    let nested = [([-1.0; 3], [1.0; 3]), ([-0.5; 3], [0.5; 3])];
+    for turned in [0, 2] {
+        assert_eq!(along(&boxes(&overlapping, turned)), [4.0, 6.0]);
+        assert_eq!(down(&boxes(&overlapping, turned)), [4.75, 6.0]);
+        assert_eq!(along(&boxes(&nested, turned)), [4.0, 6.0]);
+    }
+    assert_eq!(along(&boxes(&nested, 1)), [4.0, 4.5, 5.5, 6.0]);
+    assert_eq!(down(&boxes(&nested, 1)), [5.5, 6.0]);
 }
 
 #[test]
