@@ -108,10 +108,6 @@ impl Block {
         self.next.is_some()
     }
 
-    pub fn has_halves(&self) -> bool {
-        self.combined.is_some()
-    }
-
     /// Rays per sample of all pixels: the cost of a sample.
     pub fn cost(&self) -> f64 {
         self.rays.max(1) as f64 / f64::from(self.drawn.max(1))

@@ -34,6 +34,13 @@ const SIDE: u32 = 8;
 /// The least number of samples of a pixel, unless the limit is lower.
 pub const MIN_SAMPLES: u32 = 16;
 
+/// The samples of the first round. Two more rounds reach the least number: their errors tell how fast errors fall, which one
+/// pair of halves does not.
+pub const fn first_round(most: u32) -> u32 {
+    let least = if most < MIN_SAMPLES { most } else { MIN_SAMPLES };
+    least.div_ceil(4)
+}
+
 /// The bytes per pixel with this number of layers: the sums of all samples and of the first half, and the pixel's share
 /// of its block's error estimate.
 pub fn bytes_of_pixel(layers: u64) -> u64 {
@@ -87,7 +94,7 @@ impl AdaptiveFrame {
         let weightings = shown.iter().map(|all| held.iter().map(|&layer| all[layer]).collect()).collect();
         let corners = (0..size.1).step_by(SIDE as usize);
         let corners = corners.flat_map(|top| (0..size.0).step_by(SIDE as usize).map(move |left| (left, top)));
-        let first = MIN_SAMPLES.min(target.most).div_ceil(2);
+        let first = first_round(target.most);
         let block = |(left, top): (u32, u32)| {
             let places = (SIDE.min(size.0 - left), SIDE.min(size.1 - top));
             Block::new((left, top), places, &held, layers.0.len() + settings.aovs.layers(), first)
@@ -131,15 +138,11 @@ impl AdaptiveFrame {
         self.blocks.par_iter_mut().filter(|block| block.is_open()).for_each(Block::end_round);
         self.estimate = ErrorEstimate::new(&mut self.blocks, &self.weightings);
         let most = self.target.most;
-        let wanted = match self.blocks.iter().any(Block::has_halves) {
-            true => allocation::blocks_to_refine(
-                &self.blocks,
-                &self.estimate,
-                &self.target,
-                self.size.0.div_ceil(SIDE) as usize,
-            ),
-            // So far each block has only the first half of its least number of samples.
-            false => vec![true; self.blocks.len()],
+        let wanted = if self.blocks.iter().any(|block| block.drawn() < MIN_SAMPLES.min(most)) {
+            vec![true; self.blocks.len()]
+        } else {
+            let columns = self.size.0.div_ceil(SIDE) as usize;
+            allocation::blocks_to_refine(&self.blocks, &self.estimate, &self.target, columns)
         };
         if meter.is_stopped() && wanted.contains(&true) {
             meter.unfinished.store(true, Relaxed);

@@ -119,7 +119,7 @@ fn count_leaks(solid: &Solid, rays: u32) -> usize {
         let Ray { origin, direction } = ray(&mut random);
         let turns = hits(solid, origin, direction);
         let alternate = turns.iter().enumerate().all(|(number, (_, enters))| *enters == (number % 2 == 0));
-        !alternate || turns.len() % 2 != 0
+        !alternate || !turns.len().is_multiple_of(2)
     };
     (0..rays).filter(leaks).count()
 }

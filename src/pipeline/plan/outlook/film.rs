@@ -2,7 +2,7 @@
 
 use crate::base::clock::ElapsedTime;
 use crate::sequence::quality::{NoiseTarget, Quality};
-use crate::trace::MIN_SAMPLES;
+use crate::trace::{MIN_SAMPLES, first_round};
 use std::f64::consts::SQRT_2;
 
 /// Measurements of a film.
@@ -127,7 +127,7 @@ impl PilotFilm {
     fn until(&self, noise: &FilmNoise, target: &NoiseTarget, uncertainty: Uncertainty) -> FilmForecast {
         let Allocated { samples, work, most, square } = noise.allocated(target, uncertainty);
         // If something moves, every round of samples visits all moments again.
-        let first = f64::from(MIN_SAMPLES / 2);
+        let first = f64::from(first_round(target.most));
         let rounds = if self.moments > 1 { 1.0 + libm::log2(most / first).max(0.0).ceil() } else { 1.0 };
         FilmForecast {
             error: Some(square.sqrt()),
