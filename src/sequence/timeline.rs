@@ -5,7 +5,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::key_clock::KeyClock;
 use super::node::Node;
-use super::values::{each, exact_or_rounded, text, tuple, whole};
+use super::values::{each, exact_above_zero, text, tuple, whole};
 use super::words::word;
 use crate::base::time::{Rate, Time, Timeline};
 
@@ -58,7 +58,7 @@ pub fn timeline(node: Node<'_>) -> Option<Timeline> {
 }
 
 fn duration(node: Node<'_>) -> Option<Time> {
-    let duration = exact_or_rounded(node, 9)?;
+    let duration = exact_above_zero(node, 9)?;
     if duration <= Time::from_integer(0) || duration > Time::from_integer(1_000_000_000) {
         node.expected("a number of seconds above 0, at most 1e9");
         return None;
@@ -75,7 +75,7 @@ fn rate(node: Node<'_>) -> Option<Rate> {
         let [frames, seconds] = each(parts, whole(1..=LARGEST_PART))?;
         Time::new(frames.into(), seconds.into())
     } else {
-        exact_or_rounded(node, 6)?
+        exact_above_zero(node, 6)?
     };
     let limits = Time::new(1, LARGEST_PART.into())..=Time::from_integer(LARGEST_PART.into());
     if !limits.contains(&rate) || *rate.numer() > 1_000_000_000 {

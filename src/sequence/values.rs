@@ -140,7 +140,6 @@ pub fn whole_number(range: RangeInclusive<i32>) -> impl Fn(Node<'_>) -> Option<i
 
 /// A decimal number as an exact fraction with at most `places` decimal places.
 fn exact_number(node: Node<'_>, places: u32) -> Option<Time> {
-    ask(node, || json!({"type": "number"}));
     match exact(node.text(), places) {
         Ok(value) => Some(value),
         // The message is the same as for any other number.
@@ -160,8 +159,19 @@ fn exact_number(node: Node<'_>, places: u32) -> Option<Time> {
     }
 }
 
-/// [`exact_number`], except that results of expressions are rounded to `places` decimal places.
+/// A decimal number as an exact fraction with at most `places` decimal places. Results of expressions are rounded to these.
 pub fn exact_or_rounded(node: Node<'_>, places: u32) -> Option<Time> {
+    ask(node, || json!({"type": "number"}));
+    rounded_if_computed(node, places)
+}
+
+/// [`exact_or_rounded`] where numbers of 0 or less are mistakes, which the caller reports with its own bounds.
+pub fn exact_above_zero(node: Node<'_>, places: u32) -> Option<Time> {
+    ask(node, || json!({"type": "number", "exclusiveMinimum": 0}));
+    rounded_if_computed(node, places)
+}
+
+fn rounded_if_computed(node: Node<'_>, places: u32) -> Option<Time> {
     if exact(node.text(), places) == Err(NotExact::TooFine)
         && node.file.is_computed(&node.span())
         && let Some(value) = decimal(node)

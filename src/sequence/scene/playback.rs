@@ -8,7 +8,7 @@ use crate::sequence::fields::Fields;
 use crate::sequence::keys::key_time;
 use crate::sequence::node::Node;
 use crate::sequence::suggest::listed;
-use crate::sequence::values::{exact_or_rounded, is_number, list, switch, text, whole};
+use crate::sequence::values::{exact_above_zero, is_number, list, switch, text, whole};
 use crate::sequence::words::{report_unknown, word};
 use crate::track::Repeat;
 
@@ -120,7 +120,7 @@ fn named(node: Node<'_>, names: Option<&[&str]>) -> Option<Vec<usize>> {
 
 /// A speed above 0.
 fn speed(node: Node<'_>) -> Option<Time> {
-    let speed = exact_or_rounded(node, 9)?;
+    let speed = exact_above_zero(node, 9)?;
     let (slowest, fastest) = (Time::new(1, FASTEST), Time::from_integer(FASTEST));
     if !(slowest..=fastest).contains(&speed) {
         node.expected("a speed from 0.001 to 1000");

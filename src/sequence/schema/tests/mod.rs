@@ -129,6 +129,8 @@ fn mistakes_do_not_satisfy_the_schema() {
         r#"{"quality": {"integrator": "Pathh"}}"#,
         r#"{"timeline": {"frames": "3"}}"#,
         r#"{"timeline": {"keys": "Frame"}}"#,
+        r#"{"timeline": {"fps": -24}}"#,
+        r#"{"timeline": {"duration": 0, "fps": 24}}"#,
         r#"{"output": {"size": [64]}}"#,
         r#"{"output": {"size": [64, "x"]}}"#,
         r#"{"output": {"png": {"bits": 12}}}"#,
