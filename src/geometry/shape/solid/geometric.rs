@@ -3,7 +3,7 @@
 use super::{Operation, Solid};
 use crate::base::color::Rgb;
 use crate::base::lanes::{Mask, Real, Row, Vec3};
-use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, max, min};
+use crate::base::math::{self, Aabb, DAffine3, DVec3, LaneRay, Ray, gamma};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{
     Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, ShapeHit, StoredRays, Surface,
@@ -13,7 +13,30 @@ use crate::geometry::shape::{
 impl Solid {
     /// The first hit within bounds.
     fn first(&self, ray: &TraversalRay, within: RayInterval<f64>) -> Option<ShapeHit> {
+        if !self.may_meet(&ray.ray, within) {
+            return None;
+        }
         self.hits(ray).into_iter().find(|at| within.min < at.t && at.t < within.max)
+    }
+
+    /// Whether a ray meets the bounds within an interval, but for rounding.
+    fn may_meet(&self, ray: &Ray, within: RayInterval<f64>) -> bool {
+        let Some(Aabb { min, max }) = self.0.bounds else { return true };
+        let (mut from, mut to) = (within.min, within.max);
+        for axis in 0..3 {
+            let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
+            if direction == 0.0 {
+                if origin < min[axis] || max[axis] < origin {
+                    return false;
+                }
+                continue;
+            }
+            let (a, b) = ((min[axis] - origin) / direction, (max[axis] - origin) / direction);
+            let (near, far) = if a <= b { (a, b) } else { (b, a) };
+            from = math::max(from, near - near.abs() * gamma(3));
+            to = math::min(to, far + far.abs() * gamma(3));
+        }
+        from <= to
     }
 
     /// Passes all hits within bounds to `take`.
@@ -106,17 +129,8 @@ impl Geometric for Solid {
         }
     }
 
-    /// Of an intersection, those common to all parts with bounds.
     fn bounds(&self) -> Option<Aabb> {
-        let mut all = self.parts().iter().map(|part| part.bounds());
-        match self.0.operation {
-            Operation::Difference => all.next().flatten(),
-            Operation::Union => all.try_fold(Aabb::EMPTY, |sum, bounds| Some(sum.union(bounds?))),
-            Operation::Intersection => all.flatten().reduce(|a, b| {
-                let common = Aabb { min: a.min.max(b.min), max: a.max.min(b.max) };
-                if common.is_empty() { a } else { common }
-            }),
-        }
+        self.0.bounds
     }
 
     /// An upper bound: what is taken away may have been the farthest point.
@@ -124,8 +138,8 @@ impl Geometric for Solid {
         let mut all = self.parts().iter().map(|part| part.support(direction));
         match self.0.operation {
             Operation::Difference => all.next().flatten(),
-            Operation::Union => all.try_fold(f64::NEG_INFINITY, |most, one| Some(max(most, one?))),
-            Operation::Intersection => all.flatten().reduce(min),
+            Operation::Union => all.try_fold(f64::NEG_INFINITY, |most, one| Some(math::max(most, one?))),
+            Operation::Intersection => all.flatten().reduce(math::min),
         }
     }
 

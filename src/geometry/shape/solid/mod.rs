@@ -56,6 +56,7 @@ struct Inner {
     is_open: bool,
     /// The largest coordinate.
     reach: f64,
+    bounds: Option<Aabb>,
 }
 
 /// No shape has more parts than this, except meshes and particles.
@@ -119,7 +120,8 @@ impl Solid {
         };
         let first = parts.iter().map(number).collect();
         let reach = parts.iter().map(reach).fold(0.0, max);
-        Self(Arc::new(Inner { operation, parts, first, cuts, is_open, reach }))
+        let bounds = bounds(operation, &parts);
+        Self(Arc::new(Inner { operation, parts, first, cuts, is_open, reach, bounds }))
     }
 
     /// The parts in their order.
@@ -165,8 +167,21 @@ impl Solid {
 
 impl Content for Solid {
     fn feed(&self, into: &mut Digester) {
-        let Inner { operation, parts, first: _, cuts, is_open: _, reach: _ } = &*self.0;
+        let Inner { operation, parts, first: _, cuts, is_open: _, reach: _, bounds: _ } = &*self.0;
         ((operation, parts), *cuts as u32).feed(into);
+    }
+}
+
+/// The bounds of a solid. Of an intersection, those common to all parts with bounds.
+fn bounds(operation: Operation, parts: &[Shape]) -> Option<Aabb> {
+    let mut all = parts.iter().map(Shape::bounds);
+    match operation {
+        Operation::Difference => all.next().flatten(),
+        Operation::Union => all.try_fold(Aabb::EMPTY, |sum, bounds| Some(sum.union(bounds?))),
+        Operation::Intersection => all.flatten().reduce(|a, b| {
+            let common = Aabb { min: a.min.max(b.min), max: a.max.min(b.max) };
+            if common.is_empty() { a } else { common }
+        }),
     }
 }
 
