@@ -505,9 +505,9 @@ fn huge_and_slow_requests_are_refused() {
     ));
     assert!(matches!(preview.raw(&[0xff; 5000]).status, 400 | 0));
     // Half of a head, a body that never comes, and many idle connections. The page is served all the while.
-    let mut slow: Vec<TcpStream> = (0..20).map(|_| preview.connect()).collect();
-    slow[0].write_all(format!("GET /{token}/ HTTP/1.1\r\nHo").as_bytes()).expect("written");
-    slow[1]
+    let mut slow: Vec<TcpStream> = (0..300).map(|_| preview.connect()).collect();
+    slow[298].write_all(format!("GET /{token}/ HTTP/1.1\r\nHo").as_bytes()).expect("written");
+    slow[299]
         .write_all(format!("POST {path} HTTP/1.1\r\n{own}Content-Length: 100\r\n\r\n").as_bytes())
         .expect("written");
     let start = Instant::now();

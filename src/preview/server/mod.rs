@@ -7,12 +7,14 @@
 //! queueing them.
 
 mod gate;
+mod guests;
 mod patient;
 mod respond;
 
 use super::engine::{EngineHandle, Update};
 use super::token;
 use gate::Gate;
+use guests::Guests;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -21,12 +23,10 @@ use respond::Responder;
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::Duration;
-use tokio::sync::{Semaphore, watch};
-
-/// Most connections at a time. A browser opens six.
-const MOST_CONNECTIONS: usize = 32;
+use tokio::sync::watch;
 
 /// Most bytes and lines of a request before its body.
 const MOST_HEAD: usize = 16 << 10;
@@ -84,7 +84,7 @@ impl Server {
 /// Accepts connections for ever.
 async fn serve(listener: TcpListener, responder: Arc<Responder>) {
     let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
-    let room = Arc::new(Semaphore::new(MOST_CONNECTIONS));
+    let mut guests = Guests::default();
     loop {
         let Ok((stream, _)) = listener.accept().await else {
             // Out of files, for example. It may pass.
@@ -92,14 +92,16 @@ async fn serve(listener: TcpListener, responder: Arc<Responder>) {
             continue;
         };
         // Connections beyond the limit are closed.
-        let Ok(permit) = Arc::clone(&room).try_acquire_owned() else { continue };
-        let responder = Arc::clone(&responder);
-        tokio::spawn(async move {
-            let _permit = permit;
+        if !guests.make_room() {
+            continue;
+        }
+        let (responder, is_known) = (Arc::clone(&responder), Arc::new(AtomicBool::new(false)));
+        let known = Arc::clone(&is_known);
+        let connection = tokio::spawn(async move {
             let _ = stream.set_nodelay(true);
             let service = service_fn(move |request| {
-                let responder = Arc::clone(&responder);
-                async move { Ok::<_, std::convert::Infallible>(responder.answer(request).await) }
+                let (responder, is_known) = (Arc::clone(&responder), Arc::clone(&is_known));
+                async move { Ok::<_, std::convert::Infallible>(responder.answer(request, &is_known).await) }
             });
             let connection = http1::Builder::new()
                 .timer(TokioTimer::new())
@@ -110,6 +112,7 @@ async fn serve(listener: TcpListener, responder: Arc<Responder>) {
             // Clients that go away are no error.
             let _ = tokio::time::timeout(MOST_LIFE, connection).await;
         });
+        guests.add(connection.abort_handle(), known);
     }
 }
 

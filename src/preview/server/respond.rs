@@ -9,6 +9,7 @@ use hyper::body::{Bytes, Incoming};
 use hyper::header::{self, HeaderName, HeaderValue};
 use hyper::{Method, Request, Response, StatusCode};
 use serde_json::{Value, json};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use tokio::sync::{oneshot, watch};
@@ -46,11 +47,13 @@ impl Responder {
         Self { gate, engine, updates, owner: Mutex::default() }
     }
 
-    pub async fn answer(&self, request: Request<Incoming>) -> Answer {
+    /// The answer to a request. Sets `is_known` if it shows the token.
+    pub async fn answer(&self, request: Request<Incoming>, is_known: &AtomicBool) -> Answer {
         let uri = request.uri().clone();
         let Some(rest) = self.gate.admitted(uri.path(), request.headers()) else {
             return plain(StatusCode::NOT_FOUND, "there is nothing here\n");
         };
+        is_known.store(true, Relaxed);
         let query = uri.query().unwrap_or_default();
         match (request.method(), rest) {
             (&Method::GET, "") => with_type("text/html; charset=utf-8", PAGE),
