@@ -40,6 +40,8 @@ const PICTURES: &[(&str, &[u32], u32)] = &[
     ("annotated-pendulum", &[33], 1),
     ("titles", &[40], 1),
     ("exported-crank", &[12], 1),
+    ("pump", &[84, 180], 1),
+    ("rotunda", &[12], 16),
     ("field-orbit", &[8], 256),
     ("field-metal", &[8], 256),
     ("field-dielectric", &[8], 256),

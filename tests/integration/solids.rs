@@ -126,6 +126,24 @@ fn caps_have_a_material_of_their_own() {
     assert!(caps(&above) > 100 && caps(&above) <= caps(&without));
 }
 
+/// A single object that moves is in no tree, whatever its shape costs.
+#[test]
+fn single_solids_move() {
+    for object in [
+        "shape: Sphere(), clip: [Plane(point: [(0, (0.5, 0, 0)), (2, (-0.5, 0, 0))], normal: (1, 0, 0))]",
+        "shape: Union([Sphere(), Torus()]), rotation: Euler(x: [(0, 0), (2, 90)])",
+        "shape: Difference([Sphere(), Sphere(center: (0.5, 0, 1))]), visible: [(0, true), (1, false), (2, true)]",
+    ] {
+        let text = format!(
+            r#"(timeline: (frames: 3, keys: Frames), output: (size: (20, 16)), camera: (position: (0, 2, 5)),
+            lights: {{ "sun": Directional(direction: (-1, -2, -1.5)) }}, objects: {{ "it": ({object}) }})"#
+        );
+        let frames: Vec<Vec<Rgb>> =
+            shoot_all(&text).into_iter().map(|frame| frame.film.radiance().collect()).collect();
+        assert!(frames.len() == 3 && frames[0] != frames[1], "{object}");
+    }
+}
+
 #[test]
 fn frames_with_moving_cuts_are_the_same_however_they_are_rendered() {
     const SCENE: &str = r##"(

@@ -131,14 +131,17 @@ impl Bvh {
         let mut meshes = Vec::new();
         let (mut tree, mut leaves) = Default::default();
         let costs = bounded.iter().map(|index| cost(&geometry.primitives[*index as usize]));
-        if costs.sum::<usize>() < CHEAP {
+        let is_worth_it = costs.sum::<usize>() >= CHEAP;
+        // A single leaf has no box, so a tree of it would spare nothing.
+        let built = is_worth_it.then(|| Tree::of_boxes(&boxes)).filter(|(_, leaves)| leaves.len() > 1);
+        if let Some(built) = built {
+            (tree, leaves) = built;
+        } else {
             for index in bounded.drain(..) {
                 let has_tree = geometry.primitives[index as usize].shape.has_tree();
                 if has_tree { meshes.push(index) } else { direct.push(index) }
             }
             direct.sort_unstable();
-        } else {
-            (tree, leaves) = Tree::of_boxes(&boxes);
         }
         leaves.renumber(|primitive| bounded[primitive as usize]);
         let mut shapes = geometry.primitives.iter().map(|primitive| &primitive.shape);

@@ -2,7 +2,7 @@
 
 use super::Solid;
 use crate::base::lanes::Portable;
-use crate::base::math::{Aabb, DVec3, Ray, min};
+use crate::base::math::{Aabb, DVec3, Ray, gamma, min};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{CoincidenceRange, Mesh, OneRay, RayInterval, Shape};
 
@@ -76,8 +76,12 @@ fn crossings(shape: &Shape, ray: &TraversalRay, range: CoincidenceRange<f64>) ->
     shape.each_crossing::<Portable>(ray, RayInterval::up_to(f64::INFINITY), &mut |at| {
         let surface = shape.surface_at(&ray.ray, at);
         let along = surface.normal.dot(ray.ray.direction);
-        let off = (ray.ray.origin + ray.ray.direction * at.t - surface.point).dot(surface.normal);
-        let (error, most) = (surface.normal.abs().dot(surface.error) + off.abs(), range.end(at.t) - at.t);
+        let way = ray.ray.direction * at.t;
+        let off = (ray.ray.origin + way - surface.point).dot(surface.normal);
+        // The point's own error, its distance from the ray, and the rounding of that.
+        let rounding = (ray.ray.origin.abs() + way.abs()) * gamma(4);
+        let error = surface.normal.abs().dot(surface.error + rounding) + off.abs();
+        let most = range.end(at.t) - at.t;
         let error = if along == 0.0 { most } else { min(error / along.abs(), most) };
         let grazes = along.abs() <= GRAZING * ray.ray.direction.length() && !matches!(shape, Shape::Plane(_));
         found.push(Crossing { t: at.t, error, part: at.part, enters: along < 0.0, grazes });
@@ -120,8 +124,13 @@ fn grouped(of: usize, crossings: Vec<Crossing>, all: &mut Vec<Change>) {
 impl Change {
     /// Whether the ray may stay on its side.
     fn may_touch(&self) -> bool {
-        // A double root may be reported twice, both times from the same side.
-        self.crossings.iter().all(|at| at.grazes)
+        // A double root may be reported twice, both times from the same side, and a touched rim by a face beside it.
+        self.crossings.iter().any(|at| at.grazes)
+    }
+
+    /// Exits less entries.
+    fn exits(&self) -> isize {
+        self.crossings.iter().map(|at| if at.enters { -1 } else { 1 }).sum()
     }
 }
 
@@ -129,10 +138,9 @@ impl Change {
 fn by_side(end: bool, changes: &mut [Change]) {
     let mut behind = end;
     for change in changes.iter_mut().rev() {
-        let entries = change.crossings.iter().filter(|at| at.enters).count();
-        let exits = change.crossings.len() - entries;
+        let exits = change.exits();
         change.after = behind;
-        change.before = if entries == exits || change.may_touch() { behind } else { exits > entries };
+        change.before = if exits == 0 || change.may_touch() { behind } else { exits > 0 };
         behind = change.before;
     }
 }
@@ -140,16 +148,19 @@ fn by_side(end: bool, changes: &mut [Change]) {
 /// Decides which of the crossings that may be touches change sides: those at which the states before and behind differ.
 /// Behind them, states are those before the next crossing.
 fn resolve_touches(shape: &Shape, ray: &Ray, changes: &mut [Change]) {
-    let Some(first) = changes.first() else { return };
-    let mut state = match first.may_touch() {
-        true => is_inside(shape, ray.origin),
-        false => first.before,
-    };
-    for change in changes {
-        if change.may_touch() {
-            change.before = state;
+    for index in 0..changes.len() {
+        if !changes[index].may_touch() {
+            continue;
         }
-        state = change.after;
+        let state = match index.checked_sub(1).map(|last| &changes[last]) {
+            None => is_inside(shape, ray.origin),
+            Some(last) if last.may_touch() || last.exits() == 0 => last.after,
+            Some(last) => last.exits() < 0,
+        };
+        changes[index].before = state;
+        if let Some(last) = index.checked_sub(1) {
+            changes[last].after = state;
+        }
     }
 }
 

@@ -86,6 +86,7 @@ pub fn encloses(shape: &Shape) -> bool {
     }
 }
 
+#[warn(missing_docs)]
 impl Shape {
     /// The number of shapes of which it is made: 1, if it is no solid made of others.
     pub fn solid_count(&self) -> usize {
