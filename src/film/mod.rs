@@ -12,7 +12,7 @@ mod noise;
 mod tests;
 
 pub use aov::{AovSet, DenoisingFeatures};
-pub use noise::Noise;
+pub use noise::{ErrorVariance, Gain, Noise, Variances};
 
 use crate::base::color::Rgb;
 use crate::base::digest::Content;

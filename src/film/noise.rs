@@ -1,5 +1,8 @@
 //! The remaining error of an adaptively sampled film.
 
+use crate::base::math::min;
+use std::ops::{Add, Mul};
+
 /// The quality of an adaptively sampled film. Errors are root mean squares over pixels and colour channels, relative to
 /// the mean of the frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,22 +18,121 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// The noise from an estimate `square` of the squared error under independent samples. `variance` is the variance
-    /// of the estimate, and `truth` the variance of the true squared error. `gain` is the factor by which
-    /// stratification reduces the squared error at best; the reported error assumes half of that reduction.
+    /// The noise from an estimate `square` of the squared error under independent samples. The reported error assumes half
+    /// of the reduction by `gain`.
     ///
     /// The estimate and the truth are sums of squares. If each is distributed like a sum of n squares of normal
     /// numbers, whose relative variance is 2 / n, their ratio has Fisher's F distribution with these two degrees of
     /// freedom.
-    pub fn of_square(square: f64, (variance, truth): (f64, f64), gain: f64) -> Self {
+    pub fn of_square(square: f64, variances: Variances, gain: Gain) -> Self {
         if square == 0.0 {
             return Self::default();
         }
         let freedom = |variance: f64| 2.0 * square * square / variance;
-        let at = |z: f64| square * f_quantile(z, freedom(truth), freedom(variance));
+        let at = |z: f64, variance: ErrorVariance| {
+            square * f_quantile(z, freedom(variance.truth), freedom(variance.estimate))
+        };
         // 95 % of a normal distribution are within 1.96 standard deviations.
-        let (low, high) = ((gain * at(-1.96)).sqrt(), at(1.96).sqrt());
-        Self { error: ((1.0 + gain) / 2.0 * square).sqrt(), low, high, ..Self::default() }
+        let (low, high) = (at(-1.96, variances.supposed(square)), at(1.96, variances.bounds));
+        // Both doubts are independent, so the squares of their logarithms add up.
+        let doubt = libm::hypot(libm::log(low / square), libm::log(gain.low / gain.ratio));
+        let low = (gain.ratio * square * libm::exp(-doubt)).sqrt();
+        Self { error: (gain.reported() * square).sqrt(), low, high: high.sqrt(), ..Self::default() }
+    }
+}
+
+/// The variance of the estimate of a squared error, and of the true squared error.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ErrorVariance {
+    /// Of the estimate.
+    pub estimate: f64,
+    /// Of the true squared error.
+    pub truth: f64,
+}
+
+/// Variances of a squared error.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Variances {
+    /// Bounds, which hold even if few pixels are far off and have not shown it. They decide how large the error may be.
+    pub bounds: ErrorVariance,
+    /// As neighbouring pixels show them. They decide how small the error may be.
+    pub shown: ErrorVariance,
+}
+
+impl Variances {
+    /// The shown variances of an estimate `square`, with the doubt about them, at most the bounds.
+    ///
+    /// A variance of few numbers is doubtful itself: the quantile z of the normal distribution becomes that of Student's t,
+    /// about z (1 + (z² + 1) / 4f) for f degrees of freedom. If the estimate is a sum of n squares of normal numbers, its
+    /// relative variance v is 2 / n. Its n / 2 pairs have squared differences whose squares are 9 times the squared mean
+    /// on average, so f = n / 9 = 2 / 9v.
+    fn supposed(&self, square: f64) -> ErrorVariance {
+        const Z: f64 = 1.96;
+        let one = |shown: f64, bound: f64| {
+            let doubt = (Z * Z + 1.0) / 2.0 * 4.5 * shown / (square * square);
+            min(bound, shown * (1.0 + doubt))
+        };
+        let Self { shown, bounds } = self;
+        ErrorVariance {
+            estimate: one(shown.estimate, bounds.estimate),
+            truth: one(shown.truth, bounds.truth),
+        }
+    }
+}
+
+impl Add for ErrorVariance {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { estimate: self.estimate + other.estimate, truth: self.truth + other.truth }
+    }
+}
+
+impl Mul<f64> for ErrorVariance {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        Self { estimate: self.estimate * factor, truth: self.truth * factor }
+    }
+}
+
+impl Add for Variances {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { bounds: self.bounds + other.bounds, shown: self.shown + other.shown }
+    }
+}
+
+impl Mul<f64> for Variances {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        Self { bounds: self.bounds * factor, shown: self.shown * factor }
+    }
+}
+
+/// How much smaller the squared error is than that of independent samples, because the points of a sequence complement each
+/// other.
+#[derive(Clone, Copy, Debug)]
+pub struct Gain {
+    /// The ratio of both, at best: above 0, at most 1.
+    pub ratio: f64,
+    /// The ratio is at least this in 95 of 100 cases.
+    pub low: f64,
+}
+
+impl Gain {
+    /// The ratio if half of the reduction holds.
+    pub fn reported(self) -> f64 {
+        (1.0 + self.ratio) / 2.0
+    }
+}
+
+impl Default for Gain {
+    /// None, as of independent samples.
+    fn default() -> Self {
+        Self { ratio: 1.0, low: 1.0 }
     }
 }
 

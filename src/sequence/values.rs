@@ -144,7 +144,7 @@ fn exact_number(node: Node<'_>, places: u32) -> Option<Time> {
         Ok(value) => Some(value),
         // The message is the same as for any other number.
         Err(NotExact::NotDecimal) => {
-            number(node);
+            finite(node);
             None
         }
         Err(NotExact::TooFine) => {

@@ -8,6 +8,7 @@ use super::layer_products::LayerProducts;
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 use crate::base::stats::Counts;
+use crate::film::{ErrorVariance, Variances};
 use crate::trace::pixels::{PixelTracer, SampleSet};
 use std::ops::Range;
 
@@ -42,10 +43,8 @@ pub struct Block {
 #[derive(Clone, Debug)]
 struct SquaredErrors {
     products: LayerProducts,
-    /// Bounds, relative to the squared estimate: of the variance of the estimate, and of the variance of the true
-    /// error.
-    variance: f64,
-    truth: f64,
+    /// Relative to the squared estimate.
+    variances: Variances,
 }
 
 /// The error of a block with one weighting, as means over pixels and colours.
@@ -53,16 +52,21 @@ struct SquaredErrors {
 pub struct SquaredError {
     /// The squared error, if samples were independent.
     pub square: f64,
-    /// Bounds of the variance of the estimate, and of the variance of the true squared error.
-    pub variance: f64,
-    pub truth: f64,
+    pub variances: Variances,
 }
 
 /// The squared error of a block before and after its last round, with all light weighted equally.
 #[derive(Clone, Copy, Debug)]
 pub struct Trend {
-    pub before: f64,
-    pub after: f64,
+    pub before: SquaredError,
+    pub after: SquaredError,
+}
+
+impl SquaredErrors {
+    fn weighted(&self, weights: &[Rgb]) -> SquaredError {
+        let square = self.products.weighted(weights);
+        SquaredError { square, variances: self.variances * (square * square) }
+    }
 }
 
 impl Block {
@@ -154,11 +158,12 @@ impl Block {
             *mean = factor * self.all[layer..].iter().step_by(self.layers).sum::<DVec3>();
         }
         self.last_round = self.halves();
+        let weights = self.unit_weights();
         let sum = |errors: &Option<SquaredErrors>| {
-            errors.as_ref().map_or(0.0, |errors| errors.products.weighted(&self.unit_weights()))
+            errors.as_ref().map_or(SquaredError::default(), |errors| errors.weighted(&weights))
         };
         let (before, after) = (sum(&self.combined), sum(&self.last_round));
-        self.trend = (before > 0.0).then_some(Trend { before, after });
+        self.trend = (before.square > 0.0).then_some(Trend { before, after });
     }
 
     /// Combines the error of the last round with that of earlier rounds, scaled by the factor `fall`. Each counts half,
@@ -170,8 +175,11 @@ impl Block {
             let parts = [last_round.products.weighted(&weights), fall * before.products.weighted(&weights)];
             let sum = parts[0] + parts[1];
             if sum > 0.0 {
-                let part = |part: f64, variance: f64| part * part * variance / (sum * sum);
-                last_round.variance = part(parts[0], last_round.variance) + part(parts[1], before.variance);
+                let shares = parts.map(|part| part * part / (sum * sum));
+                let estimate = |last: f64, before: f64| shares[0] * last + shares[1] * before;
+                let (last, before) = (&mut last_round.variances, &before.variances);
+                last.bounds.estimate = estimate(last.bounds.estimate, before.bounds.estimate);
+                last.shown.estimate = estimate(last.shown.estimate, before.shown.estimate);
             }
             last_round.products.mean(&before.products, fall);
         }
@@ -180,10 +188,7 @@ impl Block {
 
     /// The squared error with these weights.
     pub fn square(&self, weights: &[Rgb]) -> SquaredError {
-        let Some(combined) = &self.combined else { return SquaredError::default() };
-        let square = combined.products.weighted(weights);
-        let unit = square * square;
-        SquaredError { square, variance: combined.variance * unit, truth: combined.truth * unit }
+        self.combined.as_ref().map_or(SquaredError::default(), |combined| combined.weighted(weights))
     }
 
     /// The mean over pixels and colours.
@@ -209,7 +214,7 @@ impl Block {
         let factor = halves.factor() / f64::from(self.pixels());
         let mut products = LayerProducts::new(self.held.len());
         let mut apart = vec![DVec3::ZERO; self.held.len()];
-        let (mut sum, mut fourth) = (0.0, 0.0);
+        let (mut sum, mut fourth, mut spread, mut left) = (0.0, 0.0, 0.0, None);
         for (all, first) in self.all.chunks_exact(self.layers).zip(self.first.chunks_exact(self.layers)) {
             for (apart, &layer) in apart.iter_mut().zip(&self.held) {
                 *apart = halves.difference(first[layer], all[layer]);
@@ -218,10 +223,23 @@ impl Block {
             let square = apart.iter().sum::<DVec3>().length_squared();
             sum += square;
             fourth += square * square;
+            // The squared difference of two independent numbers is the sum of their variances on average, and that of their
+            // means.
+            left = match left {
+                None => Some(square),
+                Some(other) => {
+                    spread += (square - other) * (square - other);
+                    None
+                }
+            };
         }
+        spread += left.map_or(0.0, |alone: f64| alone * alone);
         // The variance of a mean of independent numbers is their variance over their count, and each variance is at
         // most the mean square. This bound holds even if pixels differ widely or few of them are far off.
-        let variance = if sum > 0.0 { fourth / (sum * sum) } else { 0.0 };
-        Some(SquaredErrors { products, variance, truth: variance })
+        let [bounds, shown] = [fourth, spread].map(|part| {
+            let variance = if sum > 0.0 { part / (sum * sum) } else { 0.0 };
+            ErrorVariance { estimate: variance, truth: variance }
+        });
+        Some(SquaredErrors { products, variances: Variances { bounds, shown } })
     }
 }

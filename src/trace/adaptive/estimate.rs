@@ -7,9 +7,10 @@
 //! with independent samples, and less if the error falls faster. In a frame of different parts, the error later falls
 //! more slowly. So the truth is between the two.
 
-use super::block::Block;
+use super::block::{Block, SquaredError, Trend};
 use crate::base::color::Rgb;
-use crate::film::Noise;
+use crate::base::math::max;
+use crate::film::{Gain, Noise, Variances};
 
 /// The least factor by which squared errors are assumed to fall when samples double: 2^-1.5, as in the smoothest parts.
 const LEAST_FALL: f64 = 0.353_553_390_593_273_8;
@@ -20,8 +21,42 @@ pub struct ErrorEstimate {
     /// The weightings, and the error with each of them.
     weightings: Vec<Vec<Rgb>>,
     errors: Vec<FrameError>,
-    /// The ratio of the squared error to that of independent samples, at best.
-    gain: f64,
+    gain: Gain,
+}
+
+/// How the squared error falls when samples double.
+struct Fall {
+    factor: f64,
+    /// The relative variance of this estimate.
+    variance: f64,
+}
+
+impl Fall {
+    /// Measured by the blocks that took part in the last round and one before it.
+    fn of(blocks: &[Block]) -> Self {
+        let total = |part: fn(&Trend) -> SquaredError| {
+            let (mut square, mut variance) = (0.0, 0.0);
+            for block in blocks {
+                let Some(trend) = &block.trend else { continue };
+                let (pixels, error) = (f64::from(block.pixels()), part(trend));
+                square += pixels * error.square;
+                variance += pixels * pixels * error.variances.shown.estimate;
+            }
+            (square, variance / (square * square))
+        };
+        let ((before, of_before), (after, of_after)) =
+            (total(|trend| trend.before), total(|trend| trend.after));
+        if before == 0.0 || after == 0.0 {
+            return Self { factor: 0.5, variance: f64::INFINITY };
+        }
+        Self { factor: (after / before).clamp(LEAST_FALL, 0.5), variance: of_before + of_after }
+    }
+
+    fn gain(&self) -> Gain {
+        let ratio = |factor: f64| factor / (1.0 - factor);
+        let low = self.factor * libm::exp(-1.96 * self.variance.sqrt());
+        Gain { ratio: ratio(self.factor), low: ratio(max(low, LEAST_FALL)) }
+    }
 }
 
 /// Squared errors are relative to the squared mean of the frame.
@@ -31,23 +66,16 @@ struct FrameError {
     mean: f64,
     /// The squared error, if samples were independent.
     square: f64,
-    /// Bounds of the variance of this estimate, and of the variance of the true squared error.
-    variance: f64,
-    truth: f64,
+    variances: Variances,
 }
 
 impl ErrorEstimate {
     /// Combines the errors of blocks that have ended a round.
     pub fn new(blocks: &mut [Block], weightings: &[Vec<Rgb>]) -> Self {
-        let sum = |part: fn(&Block) -> f64| -> f64 {
-            blocks.iter().map(|block| f64::from(block.pixels()) * part(block)).sum()
-        };
-        let before = sum(|block| block.trend.map_or(0.0, |trend| trend.before));
-        let after = sum(|block| block.trend.map_or(0.0, |trend| trend.after));
-        let fall = if before > 0.0 { (after / before).clamp(LEAST_FALL, 0.5) } else { 0.5 };
-        blocks.iter_mut().for_each(|block| block.join(fall));
+        let fall = Fall::of(blocks);
+        blocks.iter_mut().for_each(|block| block.join(fall.factor));
         let errors = weightings.iter().map(|weights| FrameError::new(blocks, weights)).collect();
-        Self { weightings: weightings.to_vec(), errors, gain: fall / (1.0 - fall) }
+        Self { weightings: weightings.to_vec(), errors, gain: fall.gain() }
     }
 
     /// The number of weightings.
@@ -58,13 +86,16 @@ impl ErrorEstimate {
     /// The weighting with the largest squared error, and this error plus one standard deviation of the estimate. The
     /// addition covers pixels that are as far off as a few others but have not shown it yet.
     pub fn worst(&self) -> (usize, f64) {
-        let bounds = self.errors.iter().map(|error| self.gain() * (error.square + error.variance.sqrt()));
+        let bounds = self
+            .errors
+            .iter()
+            .map(|error| self.gain.reported() * (error.square + error.variances.bounds.estimate.sqrt()));
         bounds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
     }
 
     /// The ratio of the reported squared error to that of independent samples.
     pub fn gain(&self) -> f64 {
-        (1.0 + self.gain) / 2.0
+        self.gain.reported()
     }
 
     /// The part of a block in the squared error of a frame of `pixels` pixels with a weighting, if samples were
@@ -77,8 +108,8 @@ impl ErrorEstimate {
 
     /// The reported error with a weighting.
     pub fn noise(&self, weighting: usize) -> Noise {
-        let FrameError { square, variance, truth, .. } = self.errors[weighting];
-        Noise::of_square(square, (variance, truth), self.gain)
+        let FrameError { square, variances, .. } = self.errors[weighting];
+        Noise::of_square(square, variances, self.gain)
     }
 }
 
@@ -91,13 +122,12 @@ impl FrameError {
             let part = block.square(weights);
             all.mean += share * block.mean(weights);
             all.square += share * part.square;
-            all.variance += share * share * part.variance;
-            all.truth += share * share * part.truth;
+            all.variances = all.variances + part.variances * (share * share);
         }
-        let Self { mean, square, variance, truth } = all;
+        let Self { mean, square, variances } = all;
         let (unit, fourth) = (mean * mean, mean * mean * mean * mean);
         if fourth > 0.0 {
-            Self { mean, square: square / unit, variance: variance / fourth, truth: truth / fourth }
+            Self { mean, square: square / unit, variances: variances * (1.0 / fourth) }
         } else {
             Self::default()
         }
