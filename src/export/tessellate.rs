@@ -40,8 +40,7 @@ pub struct Attributes {
 
 /// The shape as triangles in its own space. Round shapes are within `tolerance` times their radius of the surface: that
 /// of a sphere, of the wider end of a cone or cylinder, and of the tube of a torus. Infinite planes become squares that
-/// reach `reach` from their point. None for groups, particles, and
-/// solids made of others.
+/// reach `reach` from their point. None for groups, particles and solids made of others.
 pub fn tessellated(shape: &Shape, tolerance: f64, reach: f64) -> Option<Tessellation> {
     let mut to = Builder::default();
     match shape {

@@ -12,7 +12,7 @@ mod noise;
 mod tests;
 
 pub use aov::{AovSet, DenoisingFeatures};
-pub use noise::{ErrorVariance, Gain, Noise, Variances};
+pub use noise::{ErrorVariance, Noise, StratificationGain, Variances, Z_95};
 
 use crate::base::color::Rgb;
 use crate::base::digest::Content;

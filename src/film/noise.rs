@@ -1,7 +1,6 @@
 //! The remaining error of an adaptively sampled film.
 
 use crate::base::math::min;
-use std::ops::{Add, Mul};
 
 /// The quality of an adaptively sampled film. Errors are root mean squares over pixels and colour channels, relative to
 /// the mean of the frame.
@@ -24,7 +23,7 @@ impl Noise {
     /// The estimate and the truth are sums of squares. If each is distributed like a sum of n squares of normal
     /// numbers, whose relative variance is 2 / n, their ratio has Fisher's F distribution with these two degrees of
     /// freedom.
-    pub fn of_square(square: f64, variances: Variances, gain: Gain) -> Self {
+    pub fn of_square(square: f64, variances: Variances, gain: StratificationGain) -> Self {
         if square == 0.0 {
             return Self::default();
         }
@@ -32,14 +31,16 @@ impl Noise {
         let at = |z: f64, variance: ErrorVariance| {
             square * f_quantile(z, freedom(variance.truth), freedom(variance.estimate))
         };
-        // 95 % of a normal distribution are within 1.96 standard deviations.
-        let (low, high) = (at(-1.96, variances.supposed(square)), at(1.96, variances.bounds));
-        // Both doubts are independent, so the squares of their logarithms add up.
-        let doubt = libm::hypot(libm::log(low / square), libm::log(gain.low / gain.ratio));
-        let low = (gain.ratio * square * libm::exp(-doubt)).sqrt();
+        let (low, high) = (at(-Z_95, variances.measured_with_uncertainty(square)), at(Z_95, variances.bound));
+        // As if the gain and the estimate were independent, the squares of their logarithmic deviations add up.
+        let deviation = libm::hypot(libm::log(low / square), libm::log(gain.low / gain.ratio));
+        let low = (gain.ratio * square * libm::exp(-deviation)).sqrt();
         Self { error: (gain.reported() * square).sqrt(), low, high: high.sqrt(), ..Self::default() }
     }
 }
+
+/// 95 % of a normal distribution are within this many standard deviations.
+pub const Z_95: f64 = 1.96;
 
 /// The variance of the estimate of a squared error, and of the true squared error.
 #[derive(Clone, Copy, Debug, Default)]
@@ -50,87 +51,74 @@ pub struct ErrorVariance {
     pub truth: f64,
 }
 
+impl ErrorVariance {
+    fn add_scaled(&mut self, other: &Self, factor: f64) {
+        self.estimate += factor * other.estimate;
+        self.truth += factor * other.truth;
+    }
+}
+
 /// Variances of a squared error.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Variances {
-    /// Bounds, which hold even if few pixels are far off and have not shown it. They decide how large the error may be.
-    pub bounds: ErrorVariance,
-    /// As neighbouring pixels show them. They decide how small the error may be.
-    pub shown: ErrorVariance,
+    /// An upper bound, which includes pixels whose samples have missed rare light. It gives the upper end of the interval.
+    pub bound: ErrorVariance,
+    /// Measured from the differences of neighbouring pixels. It gives the lower end.
+    pub measured: ErrorVariance,
 }
 
 impl Variances {
-    /// The shown variances of an estimate `square`, with the doubt about them, at most the bounds.
+    /// Adds `factor` times other variances.
+    pub fn add_scaled(&mut self, other: &Self, factor: f64) {
+        self.bound.add_scaled(&other.bound, factor);
+        self.measured.add_scaled(&other.measured, factor);
+    }
+
+    /// The variances times a factor.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut all = Self::default();
+        all.add_scaled(self, factor);
+        all
+    }
+
+    /// The measured variances of an estimate `square`, enlarged by their own uncertainty, but at most the bounds.
     ///
-    /// A variance of few numbers is doubtful itself: the quantile z of the normal distribution becomes that of Student's t,
-    /// about z (1 + (z² + 1) / 4f) for f degrees of freedom. If the estimate is a sum of n squares of normal numbers, its
-    /// relative variance v is 2 / n. Its n / 2 pairs have squared differences whose squares are 9 times the squared mean
-    /// on average, so f = n / 9 = 2 / 9v.
-    fn supposed(&self, square: f64) -> ErrorVariance {
-        const Z: f64 = 1.96;
-        let one = |shown: f64, bound: f64| {
-            let doubt = (Z * Z + 1.0) / 2.0 * 4.5 * shown / (square * square);
-            min(bound, shown * (1.0 + doubt))
+    /// With a variance that is measured from f degrees of freedom, Student's t distribution replaces the normal one. Its
+    /// quantile is about z (1 + (z² + 1) / 4f) for the normal quantile z, so the variance grows by the factor
+    /// 1 + (z² + 1) / 2f. If the estimate is a sum of n squares of normal numbers, its relative variance v is 2 / n. It
+    /// is measured from n / 2 pairs, and the mean fourth power of the difference of two such squares is 9 times the
+    /// square of the mean second power. So f is n / 9 = 2 / 9v.
+    fn measured_with_uncertainty(&self, square: f64) -> ErrorVariance {
+        let enlarged = |measured: f64, bound: f64| {
+            let degrees = 2.0 * square * square / (9.0 * measured);
+            min(bound, measured * (1.0 + (Z_95 * Z_95 + 1.0) / (2.0 * degrees)))
         };
-        let Self { shown, bounds } = self;
+        let Self { measured, bound } = self;
         ErrorVariance {
-            estimate: one(shown.estimate, bounds.estimate),
-            truth: one(shown.truth, bounds.truth),
+            estimate: enlarged(measured.estimate, bound.estimate),
+            truth: enlarged(measured.truth, bound.truth),
         }
     }
 }
 
-impl Add for ErrorVariance {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self { estimate: self.estimate + other.estimate, truth: self.truth + other.truth }
-    }
-}
-
-impl Mul<f64> for ErrorVariance {
-    type Output = Self;
-
-    fn mul(self, factor: f64) -> Self {
-        Self { estimate: self.estimate * factor, truth: self.truth * factor }
-    }
-}
-
-impl Add for Variances {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self { bounds: self.bounds + other.bounds, shown: self.shown + other.shown }
-    }
-}
-
-impl Mul<f64> for Variances {
-    type Output = Self;
-
-    fn mul(self, factor: f64) -> Self {
-        Self { bounds: self.bounds * factor, shown: self.shown * factor }
-    }
-}
-
-/// How much smaller the squared error is than that of independent samples, because the points of a sequence complement each
-/// other.
+/// The reduction of the squared error by stratification, whose samples complement each other.
 #[derive(Clone, Copy, Debug)]
-pub struct Gain {
-    /// The ratio of both, at best: above 0, at most 1.
+pub struct StratificationGain {
+    /// The squared error over that of independent samples, at best: above 0, at most 1.
     pub ratio: f64,
-    /// The ratio is at least this in 95 of 100 cases.
+    /// The lower end of the interval that contains the ratio in 95 of 100 cases.
     pub low: f64,
 }
 
-impl Gain {
+impl StratificationGain {
     /// The ratio if half of the reduction holds.
     pub fn reported(self) -> f64 {
         (1.0 + self.ratio) / 2.0
     }
 }
 
-impl Default for Gain {
-    /// None, as of independent samples.
+impl Default for StratificationGain {
+    /// Independent samples.
     fn default() -> Self {
         Self { ratio: 1.0, low: 1.0 }
     }

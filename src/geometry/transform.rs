@@ -21,17 +21,17 @@ pub struct TransformTracks {
     pub pivot: DVec3,
     /// What a program does besides keys.
     pub motion: Option<Motion>,
-    /// How far it is from its place, in an exploded view.
-    pub departure: Option<Departure>,
+    /// Moves it away from its place, for an exploded view.
+    pub explode: Option<ExplodeOffset>,
 }
 
-/// A way that an object moves besides its translation.
+/// The offset of a part in an exploded view.
 #[derive(Clone, Debug, PartialEq)]
 #[warn(missing_docs)]
-pub struct Departure {
-    /// The way at a factor of 1.
-    pub away: DVec3,
-    /// Times the way. 0: the object is at its place.
+pub struct ExplodeOffset {
+    /// The offset at a factor of 1.
+    pub offset: DVec3,
+    /// Multiplies the offset.
     pub factor: Animated<f64>,
 }
 
@@ -67,7 +67,7 @@ impl Default for TransformTracks {
             scale: DVec3::ONE.into(),
             pivot: DVec3::ZERO,
             motion: None,
-            departure: None,
+            explode: None,
         }
     }
 }
@@ -109,16 +109,16 @@ impl Rotation {
 impl TransformTracks {
     /// Whether the transform may change over time.
     pub fn is_keyed(&self) -> bool {
-        let Self { translation, rotation, scale, pivot: _, motion, departure } = self;
-        let departs = departure.as_ref().is_some_and(|departure| departure.factor.is_keyed());
-        translation.is_keyed() || rotation.is_keyed() || scale.is_keyed() || motion.is_some() || departs
+        let Self { translation, rotation, scale, pivot: _, motion, explode } = self;
+        let explodes = explode.as_ref().is_some_and(|explode| explode.factor.is_keyed());
+        translation.is_keyed() || rotation.is_keyed() || scale.is_keyed() || motion.is_some() || explodes
     }
 
     /// The times of all keys, in no particular order.
     pub fn key_times(&self) -> Vec<Time> {
         let mut times = self.rotation.key_times();
         times.extend(self.translation.key_times().chain(self.scale.key_times()));
-        times.extend(self.departure.iter().flat_map(|departure| departure.factor.key_times()));
+        times.extend(self.explode.iter().flat_map(|explode| explode.factor.key_times()));
         times
     }
 
@@ -134,8 +134,8 @@ impl TransformTracks {
     pub fn at(&self, time: Time) -> DAffine3 {
         let (scale, rotation) = (self.scale.at(time), self.rotation.at(time));
         let mut translation = self.translation.at(time);
-        if let Some(Departure { away, factor }) = &self.departure {
-            translation += *away * factor.at(time);
+        if let Some(ExplodeOffset { offset, factor }) = &self.explode {
+            translation += *offset * factor.at(time);
         }
         let matrix = rotation * DMat3::from_diagonal(scale);
         // The identity maps the pivot to itself exactly, so pure translations stay exact.
@@ -157,7 +157,7 @@ mod tests {
             scale: DVec3::new(2.0, 1.0, 1.0).into(),
             pivot: DVec3::X,
             motion: None,
-            departure: None,
+            explode: None,
         };
         let affine = tracks.at(Time::from_integer(0));
         assert_eq!(affine.transform_point3(DVec3::X), DVec3::new(1.0, 0.0, 5.0));

@@ -10,10 +10,10 @@ use super::{Named, Object};
 use crate::base::math::{Aabb, DAffine3, DVec3};
 use crate::base::time::Time;
 use crate::geometry::shape::Shape;
-use crate::geometry::transform::Departure;
+use crate::geometry::transform::ExplodeOffset;
 use crate::track::Animated;
 
-/// How the parts of an object depart from each other.
+/// The exploded view of the parts of an object.
 pub struct ExplodeDraft {
     factor: Animated<f64>,
     /// None: from the middle of all parts.
@@ -57,8 +57,8 @@ fn axis(node: Node<'_>) -> Option<Origin> {
     Some(Origin::Axis(point?, direction?))
 }
 
-/// Lets the parts of objects depart from each other.
-pub fn depart(objects: &mut [Named<Object>], drafts: Vec<Option<ExplodeDraft>>) {
+/// Gives the parts of objects their offsets in exploded views.
+pub fn add_offsets(objects: &mut [Named<Object>], drafts: Vec<Option<ExplodeDraft>>) {
     if drafts.iter().all(Option::is_none) {
         return;
     }
@@ -71,16 +71,16 @@ pub fn depart(objects: &mut [Named<Object>], drafts: Vec<Option<ExplodeDraft>>) 
         let all = parts.iter().filter_map(|&part| bounds[part]).reduce(Aabb::union);
         let center = all.map_or(DVec3::ZERO, |all| all.center());
         for (part, middle) in parts.into_iter().zip(middles) {
-            let away = draft.away(middle, center);
+            let offset = draft.offset(middle, center);
             let transform = &mut objects[part].value.transform;
-            transform.departure = Some(Departure { away, factor: draft.factor.clone() });
+            transform.explode = Some(ExplodeOffset { offset, factor: draft.factor.clone() });
         }
     }
 }
 
 impl ExplodeDraft {
-    /// The way of a part with this middle at the factor 1.
-    fn away(&self, middle: DVec3, center: DVec3) -> DVec3 {
+    /// The offset of a part with this middle at a factor of 1.
+    fn offset(&self, middle: DVec3, center: DVec3) -> DVec3 {
         let away = match self.from {
             None => middle - center,
             Some(Origin::Point(point)) => middle - point,

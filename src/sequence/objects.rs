@@ -4,7 +4,7 @@ use super::carriers::CarriedDraft;
 use super::clip::{CapDraft, ClipDraft, bind_caps};
 use super::data_ranges;
 use super::deformations::{SceneDeformations, deform};
-use super::explode::{ExplodeDraft, depart};
+use super::explode::{ExplodeDraft, add_offsets};
 use super::fields::Fields;
 use super::material::material;
 use super::material_description::MaterialDescription;
@@ -65,7 +65,7 @@ pub fn materials_and_objects(
         objects.extend(below);
     }
     bind_caps(fields.node().file, &mut table, &mut objects, below.caps);
-    depart(&mut objects, below.explode);
+    add_offsets(&mut objects, below.explode);
     let deformed = below.deformed.into_iter();
     let deformed = deformed.map(|(index, scene)| SceneDeformations { place: places[index].clone(), ..scene });
     deform(fields.node().file, &mut objects, deformed.collect());
@@ -139,7 +139,7 @@ struct Below {
     deformed: Vec<(usize, SceneDeformations)>,
     /// The place of the planes that cut each object, and the material of its cut faces.
     caps: Vec<(Range<usize>, Option<CapDraft>)>,
-    /// How the parts of each object depart from each other.
+    /// The exploded view of the parts of each object.
     explode: Vec<Option<ExplodeDraft>>,
 }
 

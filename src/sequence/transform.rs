@@ -20,7 +20,7 @@ pub fn transform(fields: &mut Fields<'_>) -> Option<TransformTracks> {
     let pivot = fields.or("pivot", vector, DVec3::ZERO);
     let poses = fields.optional("poses", object_poses);
     let (translation, rotation, scale, pivot) = (translation?, rotation?, scale?, pivot?);
-    let given = TransformTracks { translation, rotation, scale, pivot, motion: None, departure: None };
+    let given = TransformTracks { translation, rotation, scale, pivot, motion: None, explode: None };
     let Some(poses) = poses? else { return Some(given) };
     let replaced: &[&str] = match &poses.scale {
         Some(_) => &["translation", "rotation", "scale", "pivot"],

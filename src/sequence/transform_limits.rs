@@ -43,10 +43,10 @@ impl ScaleBounds {
         let (least, most) =
             range(&tracks.scale, |scale: &DVec3| (scale.abs().min_element(), scale.abs().max_element()));
         let (_, moved) = range(&tracks.translation, |by: &DVec3| (by.length(), by.length()));
-        let departs = tracks.departure.as_ref().map_or(0.0, |departure| {
-            range(&departure.factor, |factor| (0.0, factor.abs())).1 * departure.away.length()
+        let exploded = tracks.explode.as_ref().map_or(0.0, |explode| {
+            range(&explode.factor, |factor| (0.0, factor.abs())).1 * explode.offset.length()
         });
-        Self { least, most, moved: moved + departs + tracks.pivot.length() * (1.0 + most) }
+        Self { least, most, moved: moved + exploded + tracks.pivot.length() * (1.0 + most) }
     }
 
     /// The bounds of an object within its parent.

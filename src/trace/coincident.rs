@@ -127,8 +127,8 @@ impl TraceContext<'_> {
         }
         let out = surface.normal;
         let [from, to] = [out, -out].map(|side| spawn_ray(surface, side).origin);
-        // Points of a face through the origin may be exact. Then both origins are neighbours of zero, from where ends of
-        // other parts of the shape would be too many lengths of the ray away.
+        // On a face through the origin, both origins may be neighbours of zero, about 1e-323 apart. With a direction of that
+        // length, the t of other hits of the shape would overflow, so the direction is scaled, by a power of two.
         let exponent = libm::ilogb((to - from).abs().max_element()).clamp(-1074, 1023);
         let direction = (to - from).map(|v| libm::scalbn(v, -exponent));
         let across = Ray { origin: from, direction };

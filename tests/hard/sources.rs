@@ -88,13 +88,13 @@ fn rays_start_on_surfaces_in_one_place() {
     only_in(
         "Ray {",
         &[
-            "base/math/ray.rs",                  // the type
-            "geometry/shape/solid/crossings.rs", // another ray from the same origin, to ask for its side
-            "geometry/shape/stored_rays.rs",     // one of eight
-            "scene/instance_transform.rs",       // moved into a shape's space
-            "trace/coincident.rs",               // across a surface
-            "trace/intersect.rs",                // one of eight
-            "trace/marks.rs",                    // one of eight
+            "base/math/ray.rs",                       // the type
+            "geometry/shape/solid/part_intervals.rs", // from the same origin in another direction
+            "geometry/shape/stored_rays.rs",          // one of eight
+            "scene/instance_transform.rs",            // moved into a shape's space
+            "trace/coincident.rs",                    // across a surface
+            "trace/intersect.rs",                     // one of eight
+            "trace/marks.rs",                         // one of eight
             "trace/spawn.rs",
             "trace/transmittance.rs", // one of eight
         ],
@@ -123,13 +123,11 @@ fn rays_start_on_surfaces_in_one_place() {
 /// none are listed with what they are.
 #[test]
 fn the_kernel_has_no_tolerances() {
-    const KNOWN: [(&str, &str); 9] = [
+    const KNOWN: [(&str, &str); 8] = [
         ("geometry/bvh/tree_space.rs", "reach.clamp(1e-300, 1e300)"), // what has a reciprocal
         ("geometry/bvh/build/bins.rs", "const CLOSEST: f32 = 1e-30;"), // which split, not what is hit
         ("geometry/bvh/build/bounds.rs", "const LENGTH: f32 = 1e-12;"), // likewise
-        // Which crossings ask for the sides before and behind them, not what is hit.
-        ("geometry/shape/solid/crossings.rs", "const GRAZING: f64 = 1e-6;"),
-        ("base/math/rotation.rs", "const ROUNDED: f64 = 0.5e-4;"), // of matrices in files
+        ("base/math/rotation.rs", "const ROUNDED: f64 = 0.5e-4;"),    // of matrices in files
         ("base/math/rotation.rs", "const PERPENDICULAR: f64 = 1.74e-4;"), // likewise
         ("base/math/rotation.rs", "(1e-30..=1e30)"), // likewise: lengths whose squares are numbers
         ("base/math/elementary.rs", "const FRAC_PI_4_REST: f64 ="), // digits of a constant

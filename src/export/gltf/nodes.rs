@@ -152,10 +152,10 @@ impl Exporter<'_> {
     fn placed(&mut self, tracks: &TransformTracks) -> (Placed, DVec3) {
         let timeline = &self.sequence.timeline;
         let start = timeline.clock(0).time;
-        if tracks.motion.is_some() || tracks.departure.is_some() {
+        if tracks.motion.is_some() || tracks.explode.is_some() {
             return (self.moved(tracks), DVec3::ZERO);
         }
-        let TransformTracks { translation, rotation, scale, pivot, motion: _, departure: _ } = tracks;
+        let TransformTracks { translation, rotation, scale, pivot, motion: _, explode: _ } = tracks;
         let turned = match rotation {
             Rotation::Quaternion(rotation) => Keys::of(rotation, timeline),
             _ if rotation.is_keyed() => {

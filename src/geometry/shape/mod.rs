@@ -6,6 +6,7 @@
 
 mod lane_hit;
 mod lane_ray;
+mod lane_search;
 mod lane_surface;
 mod stored_rays;
 mod torus_interval;

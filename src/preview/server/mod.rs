@@ -6,15 +6,15 @@
 //! Each request is short: the page asks for the next picture and waits, so a slow page misses pictures instead of
 //! queueing them.
 
+mod connections;
 mod gate;
-mod guests;
 mod patient;
 mod respond;
 
 use super::engine::{EngineHandle, Update};
 use super::token;
+use connections::Connections;
 use gate::Gate;
-use guests::Guests;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -84,24 +84,24 @@ impl Server {
 /// Accepts connections for ever.
 async fn serve(listener: TcpListener, responder: Arc<Responder>) {
     let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
-    let mut guests = Guests::default();
+    let mut connections = Connections::default();
     loop {
         let Ok((stream, _)) = listener.accept().await else {
             // Out of files, for example. It may pass.
             tokio::time::sleep(Duration::from_millis(50)).await;
             continue;
         };
-        // Connections beyond the limit are closed.
-        if !guests.make_room() {
+        // The limit is reached, and all open connections have the token.
+        if !connections.make_room() {
             continue;
         }
-        let (responder, is_known) = (Arc::clone(&responder), Arc::new(AtomicBool::new(false)));
-        let known = Arc::clone(&is_known);
-        let connection = tokio::spawn(async move {
+        let (responder, is_authorized) = (Arc::clone(&responder), Arc::new(AtomicBool::new(false)));
+        let authorized = Arc::clone(&is_authorized);
+        let task = tokio::spawn(async move {
             let _ = stream.set_nodelay(true);
             let service = service_fn(move |request| {
-                let (responder, is_known) = (Arc::clone(&responder), Arc::clone(&is_known));
-                async move { Ok::<_, std::convert::Infallible>(responder.answer(request, &is_known).await) }
+                let (responder, is_authorized) = (Arc::clone(&responder), Arc::clone(&is_authorized));
+                async move { Ok::<_, std::convert::Infallible>(responder.answer(request, &is_authorized).await) }
             });
             let connection = http1::Builder::new()
                 .timer(TokioTimer::new())
@@ -112,7 +112,7 @@ async fn serve(listener: TcpListener, responder: Arc<Responder>) {
             // Clients that go away are no error.
             let _ = tokio::time::timeout(MOST_LIFE, connection).await;
         });
-        guests.add(connection.abort_handle(), known);
+        connections.add(task.abort_handle(), authorized);
     }
 }
 

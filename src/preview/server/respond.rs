@@ -47,13 +47,13 @@ impl Responder {
         Self { gate, engine, updates, owner: Mutex::default() }
     }
 
-    /// The answer to a request. Sets `is_known` if it shows the token.
-    pub async fn answer(&self, request: Request<Incoming>, is_known: &AtomicBool) -> Answer {
+    /// The answer to a request. Sets `is_authorized` if it shows the token.
+    pub async fn answer(&self, request: Request<Incoming>, is_authorized: &AtomicBool) -> Answer {
         let uri = request.uri().clone();
         let Some(rest) = self.gate.admitted(uri.path(), request.headers()) else {
             return plain(StatusCode::NOT_FOUND, "there is nothing here\n");
         };
-        is_known.store(true, Relaxed);
+        is_authorized.store(true, Relaxed);
         let query = uri.query().unwrap_or_default();
         match (request.method(), rest) {
             (&Method::GET, "") => with_type("text/html; charset=utf-8", PAGE),

@@ -70,6 +70,17 @@ fn cost(primitive: &Primitive) -> usize {
     }
 }
 
+/// The cost of testing bounded primitives without a tree. For a single one it counts as 0: the tree would be one leaf, whose
+/// box no node holds.
+fn cost_without_tree<'a>(geometry: &Geometry, bounded: impl Iterator<Item = &'a u32>) -> usize {
+    let (mut count, mut sum) = (0, 0);
+    for index in bounded {
+        count += 1;
+        sum += cost(&geometry.primitives[*index as usize]);
+    }
+    if count > 1 { sum } else { 0 }
+}
+
 /// Primitives that appear are tested without the tree as long as testing all of these costs less than this. A build
 /// takes much longer, and objects that take turns would need one in every frame.
 const FEW: usize = 5;
@@ -130,18 +141,14 @@ impl Bvh {
         }
         let mut meshes = Vec::new();
         let (mut tree, mut leaves) = Default::default();
-        let costs = bounded.iter().map(|index| cost(&geometry.primitives[*index as usize]));
-        let is_worth_it = costs.sum::<usize>() >= CHEAP;
-        // A single leaf has no box, so a tree of it would spare nothing.
-        let built = is_worth_it.then(|| Tree::of_boxes(&boxes)).filter(|(_, leaves)| leaves.len() > 1);
-        if let Some(built) = built {
-            (tree, leaves) = built;
-        } else {
+        if cost_without_tree(geometry, bounded.iter()) < CHEAP {
             for index in bounded.drain(..) {
                 let has_tree = geometry.primitives[index as usize].shape.has_tree();
                 if has_tree { meshes.push(index) } else { direct.push(index) }
             }
             direct.sort_unstable();
+        } else {
+            (tree, leaves) = Tree::of_boxes(&boxes);
         }
         leaves.renumber(|primitive| bounded[primitive as usize]);
         let mut shapes = geometry.primitives.iter().map(|primitive| &primitive.shape);
@@ -242,8 +249,7 @@ impl Bvh {
     /// The cost of testing the bounded primitives outside the tree.
     fn direct_cost(&self, geometry: &Geometry) -> usize {
         let bounded = |index: &&u32| self.extents.bounds(**index as usize).is_some();
-        let direct = self.direct.iter().chain(&self.meshes).filter(bounded);
-        direct.map(|index| cost(&geometry.primitives[*index as usize])).sum()
+        cost_without_tree(geometry, self.direct.iter().chain(&self.meshes).filter(bounded))
     }
 
     /// Whether a refitted tree is good enough to keep.

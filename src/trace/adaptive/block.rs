@@ -65,7 +65,7 @@ pub struct Trend {
 impl SquaredErrors {
     fn weighted(&self, weights: &[Rgb]) -> SquaredError {
         let square = self.products.weighted(weights);
-        SquaredError { square, variances: self.variances * (square * square) }
+        SquaredError { square, variances: self.variances.scaled(square * square) }
     }
 }
 
@@ -178,8 +178,8 @@ impl Block {
                 let shares = parts.map(|part| part * part / (sum * sum));
                 let estimate = |last: f64, before: f64| shares[0] * last + shares[1] * before;
                 let (last, before) = (&mut last_round.variances, &before.variances);
-                last.bounds.estimate = estimate(last.bounds.estimate, before.bounds.estimate);
-                last.shown.estimate = estimate(last.shown.estimate, before.shown.estimate);
+                last.bound.estimate = estimate(last.bound.estimate, before.bound.estimate);
+                last.measured.estimate = estimate(last.measured.estimate, before.measured.estimate);
             }
             last_round.products.mean(&before.products, fall);
         }
@@ -214,7 +214,7 @@ impl Block {
         let factor = halves.factor() / f64::from(self.pixels());
         let mut products = LayerProducts::new(self.held.len());
         let mut apart = vec![DVec3::ZERO; self.held.len()];
-        let (mut sum, mut fourth, mut spread, mut left) = (0.0, 0.0, 0.0, None);
+        let (mut sum, mut fourth, mut differences, mut left) = (0.0, 0.0, 0.0, None);
         for (all, first) in self.all.chunks_exact(self.layers).zip(self.first.chunks_exact(self.layers)) {
             for (apart, &layer) in apart.iter_mut().zip(&self.held) {
                 *apart = halves.difference(first[layer], all[layer]);
@@ -223,23 +223,23 @@ impl Block {
             let square = apart.iter().sum::<DVec3>().length_squared();
             sum += square;
             fourth += square * square;
-            // The squared difference of two independent numbers is the sum of their variances on average, and that of their
-            // means.
+            // The mean squared difference of two independent numbers is the sum of their variances, plus the squared
+            // difference of their means.
             left = match left {
                 None => Some(square),
                 Some(other) => {
-                    spread += (square - other) * (square - other);
+                    differences += (square - other) * (square - other);
                     None
                 }
             };
         }
-        spread += left.map_or(0.0, |alone: f64| alone * alone);
+        differences += left.map_or(0.0, |alone: f64| alone * alone);
         // The variance of a mean of independent numbers is their variance over their count, and each variance is at
         // most the mean square. This bound holds even if pixels differ widely or few of them are far off.
-        let [bounds, shown] = [fourth, spread].map(|part| {
+        let [bound, measured] = [fourth, differences].map(|part| {
             let variance = if sum > 0.0 { part / (sum * sum) } else { 0.0 };
             ErrorVariance { estimate: variance, truth: variance }
         });
-        Some(SquaredErrors { products, variances: Variances { bounds, shown } })
+        Some(SquaredErrors { products, variances: Variances { bound, measured } })
     }
 }

@@ -10,7 +10,7 @@
 use super::block::{Block, SquaredError, Trend};
 use crate::base::color::Rgb;
 use crate::base::math::max;
-use crate::film::{Gain, Noise, Variances};
+use crate::film::{Noise, StratificationGain, Variances, Z_95};
 
 /// The least factor by which squared errors are assumed to fall when samples double: 2^-1.5, as in the smoothest parts.
 const LEAST_FALL: f64 = 0.353_553_390_593_273_8;
@@ -21,17 +21,17 @@ pub struct ErrorEstimate {
     /// The weightings, and the error with each of them.
     weightings: Vec<Vec<Rgb>>,
     errors: Vec<FrameError>,
-    gain: Gain,
+    gain: StratificationGain,
 }
 
 /// How the squared error falls when samples double.
-struct Fall {
+struct ErrorDecay {
     factor: f64,
     /// The relative variance of this estimate.
     variance: f64,
 }
 
-impl Fall {
+impl ErrorDecay {
     /// Measured by the blocks that took part in the last round and one before it.
     fn of(blocks: &[Block]) -> Self {
         let total = |part: fn(&Trend) -> SquaredError| {
@@ -40,7 +40,7 @@ impl Fall {
                 let Some(trend) = &block.trend else { continue };
                 let (pixels, error) = (f64::from(block.pixels()), part(trend));
                 square += pixels * error.square;
-                variance += pixels * pixels * error.variances.shown.estimate;
+                variance += pixels * pixels * error.variances.measured.estimate;
             }
             (square, variance / (square * square))
         };
@@ -52,10 +52,10 @@ impl Fall {
         Self { factor: (after / before).clamp(LEAST_FALL, 0.5), variance: of_before + of_after }
     }
 
-    fn gain(&self) -> Gain {
+    fn gain(&self) -> StratificationGain {
         let ratio = |factor: f64| factor / (1.0 - factor);
-        let low = self.factor * libm::exp(-1.96 * self.variance.sqrt());
-        Gain { ratio: ratio(self.factor), low: ratio(max(low, LEAST_FALL)) }
+        let low = self.factor * libm::exp(-Z_95 * self.variance.sqrt());
+        StratificationGain { ratio: ratio(self.factor), low: ratio(max(low, LEAST_FALL)) }
     }
 }
 
@@ -72,10 +72,10 @@ struct FrameError {
 impl ErrorEstimate {
     /// Combines the errors of blocks that have ended a round.
     pub fn new(blocks: &mut [Block], weightings: &[Vec<Rgb>]) -> Self {
-        let fall = Fall::of(blocks);
-        blocks.iter_mut().for_each(|block| block.join(fall.factor));
+        let decay = ErrorDecay::of(blocks);
+        blocks.iter_mut().for_each(|block| block.join(decay.factor));
         let errors = weightings.iter().map(|weights| FrameError::new(blocks, weights)).collect();
-        Self { weightings: weightings.to_vec(), errors, gain: fall.gain() }
+        Self { weightings: weightings.to_vec(), errors, gain: decay.gain() }
     }
 
     /// The number of weightings.
@@ -89,7 +89,7 @@ impl ErrorEstimate {
         let bounds = self
             .errors
             .iter()
-            .map(|error| self.gain.reported() * (error.square + error.variances.bounds.estimate.sqrt()));
+            .map(|error| self.gain() * (error.square + error.variances.bound.estimate.sqrt()));
         bounds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
     }
 
@@ -122,12 +122,12 @@ impl FrameError {
             let part = block.square(weights);
             all.mean += share * block.mean(weights);
             all.square += share * part.square;
-            all.variances = all.variances + part.variances * (share * share);
+            all.variances.add_scaled(&part.variances, share * share);
         }
         let Self { mean, square, variances } = all;
         let (unit, fourth) = (mean * mean, mean * mean * mean * mean);
         if fourth > 0.0 {
-            Self { mean, square: square / unit, variances: variances * (1.0 / fourth) }
+            Self { mean, square: square / unit, variances: variances.scaled(1.0 / fourth) }
         } else {
             Self::default()
         }

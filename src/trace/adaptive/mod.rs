@@ -34,8 +34,8 @@ const SIDE: u32 = 8;
 /// The least number of samples of a pixel, unless the limit is lower.
 pub const MIN_SAMPLES: u32 = 16;
 
-/// The samples of the first round. Two more rounds reach the least number: their errors tell how fast errors fall, which one
-/// pair of halves does not.
+/// The samples per pixel of the first round. Two more rounds reach the minimum, because the decay of the error is measured from
+/// two rounds.
 pub const fn first_round(most: u32) -> u32 {
     let least = if most < MIN_SAMPLES { most } else { MIN_SAMPLES };
     least.div_ceil(4)

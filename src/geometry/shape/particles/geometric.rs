@@ -3,11 +3,11 @@
 use super::Particles;
 use crate::base::lanes::{Mask, Real, Row, Vec3, out_of_line};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, max};
-use crate::geometry::bvh::{Stack, TraversalRay};
+use crate::geometry::bvh::Stack;
+use crate::geometry::shape::lane_search::{first_hits, search_each};
 use crate::geometry::shape::part_search::{any_part_on, nearest_part_on};
 use crate::geometry::shape::{
-    Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, Sphere, SphereLanes, StoredRays,
-    store_lanes,
+    Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, Sphere, SphereLanes,
 };
 
 out_of_line! {
@@ -30,21 +30,6 @@ impl Particles {
         let [x, y, z, radius] = rows.map(F::from_array);
         SphereLanes { center: Vec3::new(x, y, z), radius }
     }
-
-    /// The results of a search along the ray of each lane that may hit something.
-    #[inline(always)]
-    fn per_ray<F: Real>(
-        ray: &PreparedRay<F>,
-        within: RayInterval<F>,
-        mut search: impl FnMut(usize, &TraversalRay, RayInterval<f64>),
-    ) {
-        let (rays, wanted) = (StoredRays::of(&ray.ray), within.min.lt(within.max).bits());
-        let [min, max] = [store_lanes(within.min), store_lanes(within.max)];
-        for lane in crate::base::lanes::lanes(wanted) {
-            let span = RayInterval { min: min[lane], max: max[lane] };
-            search(lane, &TraversalRay::new(rays.one(lane)), span);
-        }
-    }
 }
 
 impl Geometric for Particles {
@@ -56,25 +41,14 @@ impl Geometric for Particles {
 
     #[inline(always)]
     fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
-        let (mut t, mut parts) = (F::splat(f64::INFINITY).to_array(), F::U32::splat(0).to_array());
-        let (mut coincident, mut stack) = (0, Stack::default());
-        Self::per_ray(ray, within, |lane, ray, span| {
-            if let Some(at) = nearest_part_on::<F::Level>(self, ray, span, Some(&mut stack)) {
-                (t[lane], parts[lane]) = (at.t, at.part);
-                coincident |= u32::from(at.coincident) << lane;
-            }
-        });
-        LaneHit {
-            t: F::from_array(t),
-            part: F::U32::from_array(parts),
-            coincident: F::Mask::from_bits(coincident),
-        }
+        let mut stack = Stack::default();
+        first_hits(ray, within, |ray, span| nearest_part_on::<F::Level>(self, ray, span, Some(&mut stack)))
     }
 
     #[inline(always)]
     fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> F::Mask {
         let (mut found, mut stack) = (0, Stack::default());
-        Self::per_ray(ray, within, |lane, ray, span| {
+        search_each(ray, within, |lane, ray, span| {
             found |= u32::from(any_part_on::<F::Level>(self, ray, span, Some(&mut stack))) << lane;
         });
         F::Mask::from_bits(found)

@@ -5,9 +5,9 @@ use crate::base::color::Rgb;
 use crate::base::lanes::{Mask, Real, Row, Vec3};
 use crate::base::math::{self, Aabb, DAffine3, DVec3, LaneRay, Ray, gamma};
 use crate::geometry::bvh::TraversalRay;
+use crate::geometry::shape::lane_search::first_hits;
 use crate::geometry::shape::{
     Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, ShapeHit, StoredRays, Surface,
-    store_lanes,
 };
 
 impl Solid {
@@ -16,7 +16,7 @@ impl Solid {
         if !self.may_meet(&ray.ray, within) {
             return None;
         }
-        self.hits(ray).into_iter().find(|at| within.min < at.t && at.t < within.max)
+        self.with_hits(ray, |hits| hits.iter().find(|at| within.min < at.t && at.t < within.max).copied())
     }
 
     /// Whether a ray meets the bounds within an interval, but for rounding.
@@ -41,8 +41,9 @@ impl Solid {
 
     /// Passes all hits within bounds to `take`.
     pub fn each_hit(&self, ray: &TraversalRay, within: RayInterval<f64>, take: &mut dyn FnMut(ShapeHit)) {
-        let hits = self.hits(ray).into_iter();
-        hits.filter(|at| within.min < at.t && at.t < within.max).for_each(take);
+        self.with_hits(ray, |hits| {
+            hits.iter().filter(|at| within.min < at.t && at.t < within.max).copied().for_each(take);
+        });
     }
 
     /// The surface at a hit.
@@ -94,22 +95,7 @@ impl Geometric for Solid {
 
     #[inline(always)]
     fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
-        let (rays, wanted) = (StoredRays::of(&ray.ray), within.min.lt(within.max).bits());
-        let [least, most] = [store_lanes(within.min), store_lanes(within.max)];
-        let (mut t, mut parts) = (F::splat(f64::INFINITY).to_array(), F::U32::splat(0).to_array());
-        let mut coincident = 0;
-        for lane in crate::base::lanes::lanes(wanted) {
-            let span = RayInterval { min: least[lane], max: most[lane] };
-            if let Some(at) = self.first(&TraversalRay::new(rays.one(lane)), span) {
-                (t[lane], parts[lane]) = (at.t, at.part);
-                coincident |= u32::from(at.coincident) << lane;
-            }
-        }
-        LaneHit {
-            t: F::from_array(t),
-            part: F::U32::from_array(parts),
-            coincident: F::Mask::from_bits(coincident),
-        }
+        first_hits(ray, within, |ray, span| self.first(ray, span))
     }
 
     #[inline(always)]

@@ -1,45 +1,69 @@
 //! The intervals in which a ray is inside of a solid.
 //!
-//! Each part reports all its crossings along the whole ray, with an error bound of t. Crossings whose bounds overlap are
-//! one place: all of them happen at once. The solid has a surface there if the ray is inside before and outside behind,
-//! or the reverse. So faces that coincide leave no sheet between them, whatever rounding has made of their order.
+//! Each part reports all its hits along the whole ray, with bounds of the error of t. Hits whose bounds overlap are one
+//! place: all of them happen at once. The solid has a surface there if the ray is inside before and outside behind, or
+//! the reverse. So faces that coincide leave no sheet between them, whatever rounding has made of their order.
 //!
 //! What a ray hits depends on the ray alone, not on the interval that is searched.
 
-use super::crossings::{self, Change, Crossing};
+use super::part_intervals::{IntervalEnd, PartHit, PartIntervals};
 use super::{Operation, Solid, coincidence_range};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::ShapeHit;
+use std::cell::RefCell;
+
+/// What a search along a ray needs. It is kept for the next ray.
+#[derive(Default)]
+struct IntervalBuffer {
+    parts: PartIntervals,
+    /// Whether the ray is inside of each part.
+    inside: Vec<bool>,
+    hits: Vec<ShapeHit>,
+}
+
+thread_local! {
+    /// Buffers that are not in use. Solids within solids take one each.
+    static BUFFERS: RefCell<Vec<IntervalBuffer>> = const { RefCell::new(Vec::new()) };
+}
 
 impl Solid {
-    /// All hits along a ray, from its origin on, in order.
+    /// Passes all hits along a ray to `take`, from its origin on, in order.
     #[inline(never)]
-    pub(super) fn hits(&self, ray: &TraversalRay) -> Vec<ShapeHit> {
+    pub(super) fn with_hits<T>(&self, ray: &TraversalRay, take: impl FnOnce(&[ShapeHit]) -> T) -> T {
+        let mut buffer = BUFFERS.with_borrow_mut(Vec::pop).unwrap_or_default();
+        self.search(ray, &mut buffer);
+        let result = take(&buffer.hits);
+        BUFFERS.with_borrow_mut(|all| all.push(buffer));
+        result
+    }
+
+    fn search(&self, ray: &TraversalRay, buffer: &mut IntervalBuffer) {
+        let IntervalBuffer { parts, inside, hits } = buffer;
+        parts.clear();
+        inside.clear();
+        hits.clear();
         let range = coincidence_range(ray, self.0.reach);
-        let count = self.0.parts.len();
-        let mut changes = Vec::new();
-        let mut states = Vec::with_capacity(count);
         for (of, shape) in self.0.parts.iter().enumerate() {
-            let from = changes.len();
-            let begins_inside = crossings::changes((of, shape), ray, range, &mut changes);
-            if changes.len() == from && !begins_inside && self.needs(of) {
-                return Vec::new();
+            let first = parts.ends.len();
+            let begins_inside = parts.add((of, shape), ray, range);
+            if parts.ends.len() == first && !begins_inside && self.needs(of) {
+                return;
             }
-            states.push(begins_inside);
+            inside.push(begins_inside);
         }
-        changes.sort_by(|a, b| a.low.total_cmp(&b.low).then(a.of.cmp(&b.of)));
-        let mut hits = Vec::new();
-        let mut from = 0;
-        while from < changes.len() {
-            let mut high = changes[from].high;
-            let more = changes[from + 1..].iter().take_while(|next| {
+        let PartIntervals { hits: all, ends } = parts;
+        ends.sort_by(|a, b| a.low.total_cmp(&b.low).then(a.of.cmp(&b.of)));
+        let mut rest = &ends[..];
+        while let Some(first) = rest.first() {
+            let mut high = first.high;
+            let more = rest[1..].iter().take_while(|next| {
                 let joins = next.low <= high;
                 high = if joins && high < next.high { next.high } else { high };
                 joins
             });
-            let to = from + 1 + more.count();
-            self.place(&changes[from..to], &mut states, &mut hits);
-            from = to;
+            let (place, behind) = rest.split_at(1 + more.count());
+            self.add_hits((place, all), inside, hits);
+            rest = behind;
         }
         for index in 1..hits.len() {
             if hits[index].t <= range.end(hits[index - 1].t) {
@@ -47,36 +71,45 @@ impl Solid {
                 hits[index].coincident = true;
             }
         }
-        hits
     }
 
-    /// Adds the hits of a place, and brings the states of the parts behind it.
-    fn place(&self, changes: &[Change], states: &mut [bool], hits: &mut Vec<ShapeHit>) {
-        let was = states.to_vec();
-        for change in changes {
-            states[change.of] = change.after;
+    /// Adds the hits of a place, and updates the sides of all parts to those behind it.
+    fn add_hits(
+        &self,
+        (place, all): (&[IntervalEnd], &[PartHit]),
+        inside: &mut [bool],
+        hits: &mut Vec<ShapeHit>,
+    ) {
+        let was = self.keeps(inside);
+        for end in place {
+            inside[end.of] = end.after;
         }
-        let hit = |of: usize, at: &Crossing| ShapeHit::of_part(at.t, self.0.first[of] + at.part);
+        let is = self.keeps(inside);
+        let mut each = place.iter().flat_map(|end| all[end.hits.clone()].iter().map(|hit| (end.of, hit)));
+        let shape_hit = |(of, at): (usize, &PartHit)| ShapeHit::of_part(at.t, self.0.first[of] + at.part);
         if self.0.is_open {
-            let is_kept = |states: &[bool]| states[1..].iter().all(|inside| *inside);
-            if is_kept(&was) || is_kept(states) {
-                let own = changes.iter().filter(|change| change.of == 0);
-                hits.extend(own.flat_map(|change| change.crossings.iter().map(|at| hit(0, at))));
+            if was || is {
+                hits.extend(each.filter(|(of, _)| *of == 0).map(shape_hit));
             }
-            return;
+        } else if was != is {
+            // The first part in the order of the file whose face turns the same way.
+            let first = each.next().map(|first| {
+                each.fold(first, |best, next| {
+                    let rank = |(of, at): (usize, &PartHit)| ((at.enters() != self.is_turned(of)) != is, of);
+                    let is_better = (rank(next), next.1.t) < (rank(best), best.1.t);
+                    if is_better { next } else { best }
+                })
+            });
+            hits.extend(first.map(shape_hit));
         }
-        let enters = self.0.operation.is_inside(states);
-        if self.0.operation.is_inside(&was) == enters {
-            return;
+    }
+
+    /// Whether a place belongs to the solid, or to a shape that encloses nothing, is left by the cuts.
+    fn keeps(&self, inside: &[bool]) -> bool {
+        match self.0.is_open {
+            true => inside[1..].iter().all(|inside| *inside),
+            false => self.0.operation.is_inside(inside),
         }
-        // The first part in the order of the file that turns the same way.
-        let all = changes.iter().flat_map(|change| change.crossings.iter().map(|at| (change.of, at)));
-        let best = all.min_by(|(a, at), (b, other)| {
-            let is_other = |of: usize, at: &Crossing| (at.enters != self.is_turned(of)) != enters;
-            let order = is_other(*a, at).cmp(&is_other(*b, other)).then(a.cmp(b));
-            order.then(at.t.total_cmp(&other.t))
-        });
-        hits.extend(best.map(|(of, at)| hit(of, at)));
     }
 
     /// Whether nothing is inside of the solid that is outside of a part.

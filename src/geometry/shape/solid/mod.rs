@@ -1,11 +1,11 @@
 //! Solids made of solids: differences, intersections and unions, and shapes that planes cut open.
 //!
 //! A ray is inside of a solid in intervals. Those of a solid made of others follow from the intervals of its parts, which
-//! are in `crossings`, those of the solid in `intervals`. A plane is the half-space behind it, so a cut is an intersection with half-spaces.
+//! are in `part_intervals`, those of the solid in `intervals`. A plane is the half-space behind it, so a cut is an intersection with half-spaces.
 
-mod crossings;
 mod geometric;
 mod intervals;
+mod part_intervals;
 #[cfg(test)]
 mod tests;
 
