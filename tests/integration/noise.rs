@@ -11,6 +11,7 @@ use kinora::pipeline::schedule::{FilmCollector, FrameLoop};
 use kinora::sampling::SamplerKind;
 use kinora::sequence::Sequence;
 use kinora::sequence::quality::NoiseTarget;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Soft shadows, and nothing else that is random but the place in a pixel.
@@ -83,10 +84,11 @@ fn true_error(film: &Film, references: &ReferencePair) -> f64 {
 
 /// Of many runs of a frame: the share whose true error lies in the reported interval, the share whose true error lies above
 /// it, and the mean true error.
-fn stated(sequence: &Sequence, frame: u32, runs: u32, samples: u32) -> (f64, f64, f64) {
+fn stated(sequence: &Sequence, frame: u32, seeds: Range<u32>, samples: u32) -> (f64, f64, f64) {
     let references = references(sequence, frame, samples);
     let (mut inside, mut above, mut sum) = (0, 0, 0.0);
-    for seed in 0..runs {
+    let runs = seeds.len() as f64;
+    for seed in seeds {
         let film = film(sequence, frame, seed);
         let noise = film.noise.expect("an error was asked for");
         let error = true_error(&film, &references);
@@ -94,8 +96,8 @@ fn stated(sequence: &Sequence, frame: u32, runs: u32, samples: u32) -> (f64, f64
         above += u32::from(error > noise.high);
         sum += error;
     }
-    let share = |count: u32| f64::from(count) / f64::from(runs);
-    (share(inside), share(above), sum / f64::from(runs))
+    let share = |count: u32| f64::from(count) / runs;
+    (share(inside), share(above), sum / runs)
 }
 
 /// Light that few paths find, and those much of it: what a mirror ball throws from a small lamp onto the floor.
@@ -120,7 +122,7 @@ const DARK: &str = r#"(output: (size: (24, 16)), quality: (QUALITY), background:
 #[track_caller]
 fn assert_stated(sequence: &Sequence, reference: u32) {
     let target = sequence.quality.noise.expect("a target error").error;
-    let (inside, above, mean) = stated(sequence, 0, 200, reference);
+    let (inside, above, mean) = stated(sequence, 0, 0..200, reference);
     let what = format!("{target}: {inside} inside, {above} above, {mean} on average");
     assert!((0.9..=0.99).contains(&inside) && above <= 0.1, "{what}");
     assert!(mean <= target, "{what}");
@@ -144,22 +146,28 @@ fn small_target_errors_are_reached_and_reported() {
 }
 
 #[test]
-#[ignore = "takes minutes; cargo test --release --test integration shipped_scenes -- --ignored --nocapture"]
+#[ignore = "takes half an hour; cargo test --release --test integration shipped_scenes -- --ignored --nocapture"]
 fn shipped_scenes_reach_target_errors() {
-    // In frame 24 of the room the lens is open; frame 0 has no random samples, and so no error. Frame 44 is the limit that
-    // docs/accuracy.md names: small bright spots that a block's samples may all miss.
-    for (file, frame) in
-        [("field-orbit", 0), ("field-dielectric", 0), ("field-metal", 0), ("room-effects", 24)]
-    {
+    // In frame 24 of the room the lens is open; frame 0 has no random samples, and so no error. The last two are limits that
+    // docs/accuracy.md names: what is stated for them is often too large. These seeds were not used to choose the method.
+    for (file, frame, least) in [
+        ("field-orbit", 0, 0.9),
+        ("field-dielectric", 0, 0.9),
+        ("field-metal", 0, 0.9),
+        ("light-show", 10, 0.9),
+        ("room-effects", 24, 0.9),
+        ("field-lambertian", 0, 0.8),
+        ("room-effects", 44, 0.8),
+    ] {
         let path = format!("{}/sequences/{file}.ron", env!("CARGO_MANIFEST_DIR"));
         let mut sequence = kinora::sequence::load(std::path::Path::new(&path)).expect("a sequence");
         sequence.output.size = (64, 40);
         for error in [0.1, 0.05] {
             sequence.quality.noise = Some(NoiseTarget { error, most: NoiseTarget::MOST });
-            let (inside, above, mean) = stated(&sequence, frame, 40, 4096);
+            let (inside, above, mean) = stated(&sequence, frame, 5000..5100, 4096);
             eprintln!("{file} {frame} {error}: {inside} inside, {above} above, {mean} on average");
             assert!(
-                inside >= 0.9 && above <= 0.05 && mean <= error,
+                inside >= least && above <= 0.05 && mean <= error,
                 "{file} {frame} {error}: {inside} {above} {mean}"
             );
         }
