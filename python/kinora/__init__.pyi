@@ -66,6 +66,7 @@ class Settings(TypedDict, total=False):
     samples: int | None
     noise: float | None
     max_samples: int | None
+    denoise: bool
     seed: int | None
     threads: int | None
     integrator: Literal["whitted", "path"] | None

@@ -13,7 +13,7 @@ use crate::pipeline::render::{RenderError, pool};
 use crate::pipeline::schedule::{FilmCollector, FrameLoop, FrameState, Preview, frame_states};
 use crate::scene::Scene;
 use crate::sequence::Sequence;
-use crate::sequence::quality::{Integrator, Quality, SampleReuse};
+use crate::sequence::quality::{Denoise, Integrator, Quality, SampleReuse};
 use rayon::ThreadPool;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -149,9 +149,9 @@ impl Renderer {
     }
 }
 
-/// The quality of frames that share no samples. Settings are compared frame by frame.
+/// The quality of frames that share no samples and are not denoised. Settings are compared frame by frame, by their samples.
 fn alone(quality: &Quality) -> Quality {
-    Quality { reuse: SampleReuse::Off, ..*quality }
+    Quality { reuse: SampleReuse::Off, denoise: Denoise::Off, ..*quality }
 }
 
 impl Rendering {

@@ -147,6 +147,10 @@ pub struct ProgressMeter {
     pub reused: AtomicU32,
     /// Finished fraction of the current frame, in thousandths.
     pub thousandths: AtomicU32,
+    /// The part of the current frame that is traced now.
+    pub pass: AtomicU32,
+    /// The number of its parts; 0 or 1 if it is traced at once.
+    pub passes: AtomicU32,
     /// Rays of all kinds so far.
     pub rays: AtomicU64,
     /// Set when tracing begins.
@@ -161,6 +165,14 @@ pub struct ProgressMeter {
 
 #[warn(missing_docs)]
 impl ProgressMeter {
+    /// Shows that `done` of `all` parts of the current pass of a frame are finished.
+    pub fn show(&self, done: u64, all: u64) {
+        let (pass, passes) =
+            (u64::from(self.pass.load(Relaxed)), u64::from(self.passes.load(Relaxed).max(1)));
+        let thousandths = (pass * all + done) * 1000 / (passes * all).max(1);
+        self.thousandths.store(thousandths as u32, Relaxed);
+    }
+
     /// Counts work that is done as its share of frames that are traced together: part number `before` up to number
     /// `now` of `all`.
     pub fn advance(&self, before: u64, now: u64, all: u64, frames: u64) {

@@ -64,6 +64,13 @@ pub struct RenderOptions {
     #[arg(long, value_name = "NAME", value_parser = values::reuse, verbatim_doc_comment)]
     pub reuse: Option<SampleReuse>,
 
+    /// Denoise frames where something is random, and measure the error that is left
+    ///
+    /// Filters each part of the picture where that is estimated to lower its error, and prints
+    /// the error of the result. --noise adds samples until that error is below the target.
+    #[arg(long, verbatim_doc_comment)]
+    pub denoise: bool,
+
     /// Maximum samples per pixel for --noise [default: as in the sequence, or 4096]
     #[arg(long, value_name = "N", value_parser = values::samples, allow_hyphen_values = true)]
     pub max_samples: Option<u32>,
@@ -116,6 +123,7 @@ impl RenderOptions {
             integrator: self.integrator,
             seed: self.seed,
             reuse: self.reuse,
+            denoise: self.denoise,
             tonemap: self.tonemap,
             exposure: self.exposure,
             draft: self.draft,

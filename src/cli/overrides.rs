@@ -5,7 +5,7 @@ use crate::base::frame_set::MAX_FRAMES;
 use crate::base::time::Rate;
 use crate::encode::{Template, Tonemap};
 use crate::sequence::Sequence;
-use crate::sequence::quality::{Integrator, NoiseTarget, SampleReuse};
+use crate::sequence::quality::{Denoise, Integrator, NoiseTarget, SampleReuse};
 
 /// The largest number of bounces in a draft.
 const DRAFT_BOUNCES: u32 = 1;
@@ -30,6 +30,7 @@ pub struct Overrides {
     pub seed: Option<u32>,
     /// Which samples frames share.
     pub reuse: Option<SampleReuse>,
+    pub denoise: bool,
     pub tonemap: Option<Tonemap>,
     /// In stops. Replaces the keys of the file.
     pub exposure: Option<f64>,
@@ -101,6 +102,7 @@ pub fn apply(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, Str
     }
     replace(&mut quality.seed, wanted.seed);
     replace(&mut quality.reuse, wanted.reuse);
+    replace(&mut quality.denoise, wanted.denoise.then_some(Denoise::Auto));
     let own = quality.integrator;
     replace(&mut quality.integrator, wanted.integrator.filter(|other| !own.same_kind(other)));
     if let Some(rate) = wanted.rate {
@@ -145,6 +147,7 @@ mod tests {
             integrator: Some(Integrator::Path(PathSettings::default())),
             seed: Some(7),
             reuse: Some(SampleReuse::Zoom),
+            denoise: true,
             tonemap: Some(Tonemap::Filmic),
             exposure: Some(-0.5),
             transparent: true,

@@ -19,6 +19,8 @@ pub struct SequenceInfo {
     pub antialias: u32,
     /// The target error of adaptive sampling, which replaces the number of samples.
     pub noise: Option<f64>,
+    /// Whether frames with random effects are denoised.
+    pub denoised: bool,
     /// The time limit that determined the numbers of samples, if the sequence did not.
     pub time_limit: Option<TimeBudget>,
     /// Names of the film's light groups.

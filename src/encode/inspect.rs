@@ -132,12 +132,13 @@ fn read_metadata(path: &Path) -> Result<((u32, u32), Vec<StoredTextEntry>), Flaw
 }
 
 /// Keywords whose values frames of one run share, and their names in messages.
-const SHARED: [(&str, &str); 7] = [
+const SHARED: [(&str, &str); 8] = [
     ("Software", "version"),
     (metadata::TITLE, "sequence"),
     ("kinora:seed", "seed"),
     ("kinora:samples", "number of samples"),
     ("kinora:noise", "error"),
+    ("kinora:denoise", "denoiser"),
     ("kinora:antialias", "antialias"),
     (metadata::TIME_LIMIT, "time limit"),
 ];

@@ -44,6 +44,7 @@ pub fn frame_entries(info: &FrameInfo, key: Option<&FrameKey>) -> Vec<TextEntry>
                 Some(error) => ("kinora:noise", error.to_string()),
                 None => ("kinora:samples", sequence.samples.to_string()),
             });
+            entries.extend(sequence.denoised.then(|| ("kinora:denoise", "Auto".to_owned())));
         }
         Some(false) => entries.push(("kinora:antialias", sequence.antialias.to_string())),
         None => {}

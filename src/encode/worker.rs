@@ -207,7 +207,7 @@ impl Worker {
         let redrawn = self.redrawn.get(index).copied().unwrap_or(false);
         let film = if redrawn { "redrawn" } else { "kept" };
         info!(target: FRAME_EVENTS, frame, film, "kept");
-        if job.info.noise.is_some() {
+        if job.info.noise.is_some() || job.info.denoised {
             let noise = job.stored_metadata(frame).find_map(|entries| find_noise(&entries));
             self.report.noise.extend(noise.map(|noise| (frame, noise)));
         }

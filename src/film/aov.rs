@@ -13,16 +13,23 @@ pub struct AovSet {
     pub coverage: bool,
     /// Denoising features: depth, normal and albedo of the first visible surface.
     pub features: bool,
+    /// Guides of the denoiser: closeness, normal and albedo of the first surface that scatters light, seen through
+    /// mirrors and glass. Finished films have none.
+    pub guides: bool,
 }
 
 /// The number of layers of the denoising features: [depth, hits, 0], normal and albedo.
 const FEATURES: usize = 3;
 
+/// The number of layers of the guides: [1 / distance, hits, 0], normal and albedo.
+pub const GUIDES: usize = 3;
+
 #[warn(missing_docs)]
 impl AovSet {
     /// The number of their layers. They follow the layers of light.
     pub fn layers(self) -> usize {
-        usize::from(self.coverage) + if self.features { FEATURES } else { 0 }
+        let features = if self.features { FEATURES } else { 0 };
+        usize::from(self.coverage) + features + if self.guides { GUIDES } else { 0 }
     }
 
     /// The layer of the visible background, after `lights` layers of light.
@@ -33,6 +40,11 @@ impl AovSet {
     /// The first layer of the denoising features.
     pub fn features_layer(self, lights: usize) -> Option<LayerId> {
         self.features.then_some(LayerId((lights + usize::from(self.coverage)) as u32))
+    }
+
+    /// The first layer of the guides, which are the last layers, after `lights` layers of light.
+    pub fn guides_layer(self, lights: usize) -> Option<LayerId> {
+        self.guides.then_some(LayerId((lights + self.layers() - GUIDES) as u32))
     }
 }
 

@@ -16,10 +16,14 @@ impl Film {
         let means = [(self, 1.0 - share), (other, share)].map(|(film, share)| share * film.mean());
         let noise = |(one, other): (Noise, Noise)| one.mixed_with(other, means);
         let noises = self.noises.iter().copied().zip(other.noises.iter().copied());
+        let mixed = self.noise.zip(other.noise).map(noise);
+        let noises: Arc<[Noise]> = noises.map(noise).collect();
         Self {
             data: Arc::new(data),
-            noise: self.noise.zip(other.noise).map(noise),
-            noises: noises.map(noise).collect(),
+            noise: mixed,
+            // Denoised films know their error with any weights; their mean knows that with its own.
+            noises: if noises.is_empty() { mixed.into_iter().collect() } else { noises },
+            remaining: None,
             unfinished: self.unfinished || other.unfinished,
             ..self.clone()
         }

@@ -1,10 +1,12 @@
-//! The film: linear radiance of a frame in layers, and AOVs. The tracer fills it and the encoder develops it.
+//! The film: linear radiance of a frame in layers, and AOVs. The tracer fills it, the denoiser may filter it, and the
+//! encoder develops it.
 //!
 //! In: samples of the tracer.
 //! Out: weighted radiance, coverage and denoising features of each pixel.
 //! May use: `base`, `sampling`.
 
 mod aov;
+pub mod denoise;
 pub mod filter;
 mod mix;
 mod noise;
@@ -16,6 +18,7 @@ pub use noise::{ErrorVariance, Noise, StratificationGain, Variances, Z_95};
 
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
+use denoise::RemainingError;
 use std::sync::Arc;
 
 /// The largest exposure, in stops up or down.
@@ -57,6 +60,8 @@ pub struct Film {
     pub noise: Option<Noise>,
     /// The noise with each set of weights for which the film was sampled.
     pub noises: Arc<[Noise]>,
+    /// The error with any weights, if the film was denoised.
+    pub remaining: Option<Arc<RemainingError>>,
     /// Whether the run stopped before the film reached its target.
     pub unfinished: bool,
     /// The layers of light that were traced and are stored, ascending.
@@ -91,6 +96,7 @@ impl Film {
             aovs,
             noise: None,
             noises: Arc::default(),
+            remaining: None,
             unfinished: false,
             held,
             data,
@@ -104,12 +110,14 @@ impl Film {
 
     /// The film with other weights. Layers that are not held must be dark.
     pub fn weighted_by(&self, weights: &[Rgb]) -> Self {
-        Self { weights: weights.to_vec(), noise: None, ..self.clone() }
+        let noise = self.remaining.as_ref().map(|remaining| remaining.of(weights));
+        Self { weights: weights.to_vec(), noise, ..self.clone() }
     }
 
     /// The film with the set of weights number `weighting` among those for which it was sampled.
     pub fn shown_as(&self, weighting: usize, weights: &[Rgb]) -> Self {
-        Self { noise: self.noises.get(weighting).copied(), ..self.weighted_by(weights) }
+        let film = self.weighted_by(weights);
+        Self { noise: self.noises.get(weighting).copied().or(film.noise), ..film }
     }
 
     /// Makes the displayed picture `stops` brighter: see [`exposure`].

@@ -3,8 +3,9 @@
 use crate::base::color::Rgb;
 use crate::base::machine;
 use crate::base::math::DVec3;
-use crate::film::AovSet;
+use crate::film::{AovSet, denoise};
 use crate::sequence::Sequence;
+use crate::sequence::quality::Denoise;
 use crate::trace::{bytes_of_pixel, bytes_of_sums};
 
 /// Films in memory at once: one is being traced, some wait for the encoder, and the encoder develops one.
@@ -27,7 +28,8 @@ pub fn needed(sequence: &Sequence, aovs: AovSet) -> u64 {
     let pixel = layers.saturating_mul(size_of::<Rgb>() as u64 * films + sums).saturating_add(BESIDES);
     // Sampling towards an error target keeps more data per pixel.
     let rounds = if sequence.quality.noise.is_some() { bytes_of_pixel(layers) } else { 0 };
-    let pixel = pixel.saturating_add(rounds);
+    let sets = if sequence.quality.denoise != Denoise::Off { denoise::bytes_of_pixel(layers) } else { 0 };
+    let pixel = pixel.saturating_add(rounds).saturating_add(sets);
     (u64::from(width) * u64::from(height)).saturating_mul(pixel)
 }
 

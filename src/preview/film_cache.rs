@@ -63,7 +63,7 @@ mod tests {
         let quality = Quality::default();
         let filter = FilterSampler::new(quality.filter);
         ProgressiveFilm::new(
-            &TraceSettings { size: (8, 8), quality, filter, aovs: AovSet::default() },
+            &TraceSettings { size: (8, 8), quality, filter, aovs: AovSet::default(), first_sample: 0 },
             1,
             Vec::new(),
         )

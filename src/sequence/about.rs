@@ -2,6 +2,7 @@
 
 use super::Sequence;
 use super::layers::EmitterId;
+use super::quality::Denoise;
 use crate::appearance::light_groups::LightGroups;
 use crate::encode::{ALBEDO, ANNOTATIONS, NORMAL, SequenceInfo};
 use std::collections::HashSet;
@@ -17,6 +18,7 @@ impl Sequence {
             samples: self.quality.samples,
             antialias: self.quality.antialias,
             noise: self.quality.noise.map(|target| target.error),
+            denoised: self.quality.denoise != Denoise::Off,
             time_limit: None,
             layers: self.layer_names(),
         }

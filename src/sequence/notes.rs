@@ -4,7 +4,7 @@ mod energy_gain;
 mod images;
 mod meshes;
 
-use super::quality::{Quality, SampleReuse};
+use super::quality::{Denoise, Quality, SampleReuse};
 use super::{Named, Object, Sequence};
 use crate::annotate::AnnotationKind;
 use crate::appearance::material::{MaterialBinding, MaterialTracks};
@@ -59,11 +59,14 @@ impl Sequence {
 
     /// Why `reuse: Zoom` has no effect, whatever the camera does.
     fn unused_reuse(&self) -> Option<String> {
-        let Quality { reuse, noise, filter, .. } = self.quality;
+        let Quality { reuse, noise, filter, denoise, .. } = self.quality;
         let why = match reuse {
             SampleReuse::Off => return None,
             SampleReuse::Zoom if noise.is_some() => {
                 "a target error (`noise`) gives each frame its own number of samples; write `samples` instead"
+            }
+            SampleReuse::Zoom if denoise != Denoise::Off => {
+                "frames that are denoised (`denoise`) need samples of their own; write `denoise: Off`"
             }
             SampleReuse::Zoom if filter.width < 1.0 => {
                 "the filter is narrower than a pixel; make it at least 1 wide"

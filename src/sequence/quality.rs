@@ -1,6 +1,7 @@
 //! Quality settings: the work per pixel.
 
 use crate::base::digest::Content;
+use crate::film::denoise::samples_of_audit;
 use crate::film::filter::Filter;
 use crate::sampling::SamplerKind;
 
@@ -38,6 +39,18 @@ pub struct Quality {
     pub seed: u32,
     /// Which samples frames share.
     pub reuse: SampleReuse,
+    /// Whether films of random samples are denoised.
+    pub denoise: Denoise,
+}
+
+/// Whether films of random samples are denoised.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Content)]
+pub enum Denoise {
+    /// Films are what was sampled.
+    #[default]
+    Off,
+    /// Films are filtered where this lowers their error.
+    Auto,
 }
 
 /// Which samples frames share. Sharing changes where samples lie, so it changes pictures within their error.
@@ -106,9 +119,21 @@ impl Integrator {
 #[warn(missing_docs)]
 impl Quality {
     /// Whether views from one point share samples. With a target error, the number of samples of a frame depends on its
-    /// own light, so frames share none.
+    /// own light, so frames share none; and a denoised frame needs independent samples of its own.
     pub fn shares_views(&self) -> bool {
-        self.reuse == SampleReuse::Zoom && self.noise.is_none()
+        self.reuse == SampleReuse::Zoom && self.noise.is_none() && self.denoise == Denoise::Off
+    }
+
+    /// Samples per pixel that are traced for a picture of so many, where something is random.
+    pub fn traced_samples(&self, picture: u32) -> u32 {
+        match self.denoise {
+            Denoise::Off => picture,
+            // Both halves have as many samples.
+            Denoise::Auto => {
+                let picture = picture.next_multiple_of(2);
+                picture + 2 * samples_of_audit(picture)
+            }
+        }
     }
 
     /// Maximum number of surfaces on a path between a light and the eye: one more than the bounces between them. A ray
@@ -140,6 +165,7 @@ impl Default for Quality {
             smooth_terminator: true,
             seed: 0,
             reuse: SampleReuse::Off,
+            denoise: Denoise::Off,
         }
     }
 }

@@ -6,7 +6,9 @@ use super::values::{between, is_number, positive, switch, tuple, whole};
 use super::words::{Variants, variant, word};
 use crate::film::filter::{Filter, Kernel};
 use crate::sampling::SamplerKind;
-use crate::sequence::quality::{Integrator, MAX_SAMPLES, NoiseTarget, PathSettings, Quality, SampleReuse};
+use crate::sequence::quality::{
+    Denoise, Integrator, MAX_SAMPLES, NoiseTarget, PathSettings, Quality, SampleReuse,
+};
 use std::ops::RangeInclusive;
 
 /// Filter widths in pixels. Wider filters would blur instead of reconstruct.
@@ -37,6 +39,7 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
     let smooth_terminator = fields.or("smooth_terminator", switch, default.smooth_terminator);
     let seed = fields.or("seed", whole(0..=u32::MAX), default.seed);
     let reuse = fields.or("reuse", reuse, default.reuse);
+    let denoise = fields.or("denoise", denoise, default.denoise);
     fields.finish();
     let (noise, most) = (noise?, max_samples?.unwrap_or(NoiseTarget::MOST));
     let noise = noise.map(|error| NoiseTarget { error, most });
@@ -54,6 +57,7 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
         smooth_terminator: smooth_terminator?,
         seed: seed?,
         reuse: reuse?,
+        denoise: denoise?,
     })
 }
 
@@ -69,6 +73,10 @@ fn points(node: Node<'_>) -> Option<SamplerKind> {
 
 fn reuse(node: Node<'_>) -> Option<SampleReuse> {
     word(node, "reuse", &[("Off", SampleReuse::Off), ("Zoom", SampleReuse::Zoom)])
+}
+
+fn denoise(node: Node<'_>) -> Option<Denoise> {
+    word(node, "denoise", &[("Off", Denoise::Off), ("Auto", Denoise::Auto)])
 }
 
 fn integrator(node: Node<'_>) -> Option<Integrator> {

@@ -19,7 +19,7 @@ use crate::film::filter::{Filter, Kernel};
 use crate::geometry::shape::{Cuboid, Sphere};
 use crate::geometry::transform::Rotation;
 use crate::sampling::SamplerKind;
-use crate::sequence::quality::{Integrator, NoiseTarget, PathSettings, SampleReuse};
+use crate::sequence::quality::{Denoise, Integrator, NoiseTarget, PathSettings, SampleReuse};
 use crate::track::{Ease, Repeat};
 
 /// Every feature of the format, at least once.
@@ -88,6 +88,7 @@ fn everything_is_read() {
         smooth_terminator: false,
         seed: u32::MAX,
         reuse: SampleReuse::Zoom,
+        denoise: Denoise::Auto,
     };
     assert_eq!(sequence.quality, quality);
     assert_eq!(sequence.output.exposure.at(seconds(1, 1)), -0.25);
@@ -115,9 +116,11 @@ fn everything_is_read() {
 #[test]
 fn reuse_without_effect_is_noted() {
     let notes = |quality: &str| read(&format!("(quality: ({quality}))")).notes();
-    for (quality, why) in
-        [("reuse: Zoom, noise: 0.1", "(`noise`)"), ("reuse: Zoom, filter: Box(width: 0.5)", "narrower")]
-    {
+    for (quality, why) in [
+        ("reuse: Zoom, noise: 0.1", "(`noise`)"),
+        ("reuse: Zoom, denoise: Auto", "(`denoise`)"),
+        ("reuse: Zoom, filter: Box(width: 0.5)", "narrower"),
+    ] {
         assert!(matches!(&notes(quality)[..], [note] if note.contains(why)), "{:?}", notes(quality));
     }
     assert!(notes("reuse: Zoom").is_empty() && notes("noise: 0.1").is_empty());

@@ -1,4 +1,4 @@
-//! The AOV stage: depth, normal and albedo of the first visible surface.
+//! The AOV stage: depth, normal and albedo of the first visible surface, or of the first one that scatters light.
 
 use super::context::{Queue, TraceContext};
 use super::interaction::SurfaceInteraction;
@@ -11,11 +11,39 @@ use crate::base::lanes::{Color, Level, Lookup, Mask, Real, Row, SimdKernel, Sing
 use crate::base::math::DVec3;
 use crate::base::stats::Evaluations;
 
-/// Records the hits of a queue's paths that come straight from the camera, in the layers from `first` on.
+/// The surfaces whose properties are recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RecordedSurface {
+    /// Those that camera rays hit.
+    Visible,
+    /// Those that are seen directly, in mirrors or through glass, and are neither. Their albedo is multiplied by the
+    /// throughput of the path that sees them, and their place is 1 over their distance from the camera.
+    Scattering,
+}
+
+impl RecordedSurface {
+    /// The flag of paths that see such surfaces.
+    fn flag(self) -> u32 {
+        match self {
+            Self::Visible => flags::FROM_EYE,
+            Self::Scattering => flags::SPECULAR,
+        }
+    }
+
+    /// Whether surfaces with these lobes are recorded. Paths go on from the others.
+    fn includes(self, lobes: LobeSet) -> bool {
+        self == Self::Visible || lobes.has(LobeSet::SAMPLED | LobeSet::EMISSION)
+    }
+}
+
+/// Records such surfaces where the paths of a queue see them, in the layers from `first` on.
 pub struct RecordAovs<'a, 's> {
     pub wave: &'s mut WaveState<'a>,
     pub queue: Queue,
     pub first: usize,
+    /// What is recorded of a sample is multiplied by this.
+    pub scale: f64,
+    pub surface: RecordedSurface,
 }
 
 impl SimdKernel for RecordAovs<'_, '_> {
@@ -23,18 +51,21 @@ impl SimdKernel for RecordAovs<'_, '_> {
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { wave, queue, first } = self;
+        let Self { wave, queue, first, scale, surface } = self;
         let context = wave.context;
         let lobes = match queue {
             Queue::Escaped => return,
             Queue::Light => None,
             Queue::Surface(class) => Some(context.classes[class as usize]),
         };
+        if lobes.is_some_and(|lobes| !surface.includes(lobes)) {
+            return;
+        }
         for items in wave.hits.queue(queue).rows() {
             let at = Lookup::new(items);
             let active = L::Mask::from_bits(0xff >> (8 - items.len()));
             let path = wave.paths.gather::<L::F64>(&at);
-            let seen = active & has_flag::<L::F64>(path.flags, flags::FROM_EYE);
+            let seen = active & has_flag::<L::F64>(path.flags, surface.flag());
             if !seen.any() {
                 continue;
             }
@@ -47,18 +78,24 @@ impl SimdKernel for RecordAovs<'_, '_> {
             let camera = context.scene.camera;
             let slots = path.slot.to_array();
             for lane in lanes(active.bits()) {
-                // A surface behind a transparent one is not the first visible surface.
+                // A surface behind a transparent one is not the first one.
                 if wave.sums.get(first, slots[lane]).y != 0.0 {
                     continue;
                 }
-                let depth = (hit.surface.point.lane(lane) - camera.position).dot(camera.basis.forward);
+                let from_camera = hit.surface.point.lane(lane) - camera.position;
+                let (place, color) = match surface {
+                    RecordedSurface::Visible => (from_camera.dot(camera.basis.forward), albedo),
+                    RecordedSurface::Scattering => {
+                        (from_camera.length().recip(), albedo * path.throughput.at_surface())
+                    }
+                };
                 let seen = [
-                    DVec3::new(depth, 1.0, 0.0),
+                    DVec3::new(place, 1.0, 0.0),
                     hit.surface.shading.lane(lane),
-                    albedo.lane(lane).as_dvec3(),
+                    color.lane(lane).as_dvec3(),
                 ];
                 for (layer, sum) in (first..).zip(seen) {
-                    wave.sums.set(layer, slots[lane], sum);
+                    wave.sums.set(layer, slots[lane], sum * scale);
                 }
             }
         }

@@ -3,7 +3,7 @@
 use super::context::TraceContext;
 use super::medium::OUTSIDE;
 use super::stream::{PathState, PathStream, Throughput, flags};
-use crate::base::lanes::{Bits, Level, Lookup, Mask, Real, Row, SimdKernel, Vec3};
+use crate::base::lanes::{Bits, Level, Lookup, Mask, Real, Row, Select, SimdKernel, Vec3};
 use crate::base::stats::Counts;
 use crate::camera::RayCone;
 use crate::sampling::{LaneSampler, Sampler, SamplerKind, dimension};
@@ -252,6 +252,11 @@ impl<F: Real> LaneSamples<F> {
         };
         let none = F::U32::splat(0);
         let from_eye = if context.aovs.is_some() || context.parts_rays { flags::FROM_EYE } else { 0 };
+        let mut flags = F::U32::splat(from_eye);
+        if let Some(guides) = context.guides {
+            let specular = F::U32::splat(from_eye | flags::SPECULAR);
+            flags = F::U32::select(self.number.lt(F::splat(f64::from(guides.end))), specular, flags);
+        }
         PathState {
             ray,
             throughput: Throughput::full(),
@@ -261,7 +266,7 @@ impl<F: Real> LaneSamples<F> {
             key: none,
             slot: self.slot,
             bounces_left: F::U32::splat(context.quality.surfaces()),
-            flags: F::U32::splat(from_eye),
+            flags,
             medium: F::U32::splat(OUTSIDE),
             t_start: zero,
             pending: none,

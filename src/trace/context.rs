@@ -43,8 +43,10 @@ pub struct TraceContext<'a> {
     pub fog: Option<Fog>,
     /// The layer that records the share of camera rays that hit nothing, instead of light from the sky.
     pub holdout: Option<LayerId>,
-    /// The first layer of AOVs, if films record any.
+    /// The first layer of the features of the first visible surface, if films record them.
     pub aovs: Option<usize>,
+    /// Where and how films record the denoiser's guides, if they do.
+    pub guides: Option<GuideRecord>,
     /// The number of layers of light, and the number of all layers.
     pub lit_layers: usize,
     pub layers: usize,
@@ -81,6 +83,30 @@ pub struct TraceContext<'a> {
     pub movers: Option<&'a Movers<'a>>,
 }
 
+/// How films record the denoiser's guides: from the first samples of each pixel alone, since they are far less noisy than
+/// light, and take time.
+#[derive(Clone, Copy, Debug)]
+pub struct GuideRecord {
+    /// The first layer.
+    pub layer: usize,
+    /// The number of the first sample that records none.
+    pub end: u32,
+    /// All samples of the film over those that record guides.
+    pub scale: f64,
+}
+
+impl GuideRecord {
+    fn new(layer: LayerId, settings: &TraceSettings) -> Self {
+        let count = settings.quality.samples;
+        let recorded = (count / 4).max(LEAST_GUIDES).min(count);
+        let scale = f64::from(count) / f64::from(recorded.max(1));
+        Self { layer: layer.index(), end: settings.first_sample + recorded, scale }
+    }
+}
+
+/// The least number of samples that record guides, if there are so many.
+const LEAST_GUIDES: u32 = 32;
+
 impl<'a> TraceContext<'a> {
     pub fn new(scene: &'a Scene<'a>, bvh: &'a Bvh, settings: &'a TraceSettings) -> Self {
         let (shading, quality, set) = (scene.shading, &settings.quality, settings.aovs);
@@ -97,6 +123,7 @@ impl<'a> TraceContext<'a> {
             LobeSet::TRANSPARENT | if refractive_shadows { LobeSet::REFRACTION } else { LobeSet::default() };
         let lit_layers = scene.weights.0.len();
         let aovs = set.features_layer(lit_layers).map(LayerId::index);
+        let guides = set.guides_layer(lit_layers).map(|layer| GuideRecord::new(layer, settings));
         let is_random = is_random(scene, quality.integrator);
         let glows = |glow: &GroupRadiance| glow.radiance != Rgb::ZERO && is_weighted(scene, glow.layer);
         let glows_in_fog = shading.fog.is_some_and(|fog| glows(&fog.in_scattering));
@@ -107,7 +134,11 @@ impl<'a> TraceContext<'a> {
             mis: path && lights.needs_mis(),
             media: materials.any(LobeSet::PASSES),
             keys: !path && is_random,
-            flags: path || aovs.is_some() || scene.geometry.lights().next().is_some() || parts_rays(scene),
+            flags: path
+                || aovs.is_some()
+                || guides.is_some()
+                || scene.geometry.lights().next().is_some()
+                || parts_rays(scene),
         };
         let (classes, class_of) = materials.classes();
         Self {
@@ -121,6 +152,7 @@ impl<'a> TraceContext<'a> {
             fog: shading.fog,
             holdout: set.coverage_layer(lit_layers),
             aovs,
+            guides,
             lit_layers,
             layers: lit_layers + set.layers(),
             refractive_shadows,

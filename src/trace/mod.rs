@@ -137,8 +137,8 @@ fn in_tiles<T: Send>(
             let counts = pixels.trace(&places, &mut sums);
             meter.rays.fetch_add(counts.rays.total(), Relaxed);
             let done = u64::from(done.fetch_add(1, Relaxed) + 1);
-            let share = (u64::from(moment.index) * u64::from(tiles) + done) * 1000;
-            meter.thousandths.store((share / (u64::from(tiles) * u64::from(moment.of))) as u32, Relaxed);
+            let done = u64::from(moment.index) * u64::from(tiles) + done;
+            meter.show(done, u64::from(tiles) * u64::from(moment.of));
             (places, sums, counts)
         });
         let mut all = Counts::default();

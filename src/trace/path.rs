@@ -228,12 +228,12 @@ impl<F: Real> PathShader<'_, F> {
             state.scattered_at = Vec3::select(sample.is_scattered, at.point, path.scattered_at);
             state.pdf = F::select(sample.is_transmitted, path.pdf, sample.pdf);
         }
-        state.flags = self.next_flags(sample, last);
+        state.flags = self.next_flags(sample, last, wave.context.guides.is_some());
         state
     }
 
     #[inline(always)]
-    fn next_flags(&self, sample: &BsdfSample<F>, last: F::Mask) -> F::U32 {
+    fn next_flags(&self, sample: &BsdfSample<F>, last: F::Mask, guides: bool) -> F::U32 {
         let before = self.at.path.flags;
         let (none, sampled) = (F::U32::splat(0), F::U32::splat(flags::LIGHT_SAMPLED));
         let counted = F::U32::splat(flags::LIGHT_SAMPLED | flags::LIGHT_COUNTED);
@@ -245,6 +245,10 @@ impl<F: Real> PathShader<'_, F> {
         }
         if self.samples_all_light() {
             after = F::U32::select(last & sample.is_scattered, counted, after);
+        }
+        if guides {
+            let specular = before.and(F::U32::splat(flags::SPECULAR));
+            after = F::U32::select(sample.is_scattered, after, after.or(specular));
         }
         F::U32::select(sample.is_transmitted, before, after)
     }

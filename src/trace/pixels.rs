@@ -64,9 +64,10 @@ impl<'a> PixelTracer<'a> {
     /// Adds the layers of pixels to `sums`, pixel by pixel: the means of their samples or, with several moments, the
     /// part of this moment. Neighbours should be next to each other.
     pub fn trace(&self, pixels: &[(u32, u32)], sums: &mut [DVec3]) -> Counts {
-        let set = SampleSet { samples: 0..self.count(), seed: self.context.quality.seed };
+        let (first, count) = (self.context.settings.first_sample, self.count());
+        let set = SampleSet { samples: first..first + count, seed: self.context.quality.seed };
         let counts = self.add(pixels, &set, sums);
-        let samples = f64::from(self.count());
+        let samples = f64::from(count);
         if samples > 1.0 {
             sums.iter_mut().for_each(|sum| *sum /= samples);
         }

@@ -13,11 +13,11 @@ use crate::appearance::optics::Fresnel;
 use crate::appearance::texture::{Pattern, PatternTexture, Texture, TextureMappingTracks, TextureSpace};
 use crate::base::color::Rgb;
 use crate::base::math::{Angle, DAffine3, DMat3, DVec3, axis_angle, look_at};
-use crate::base::stats::Counts;
+use crate::base::stats::{Counts, ProgressMeter};
 use crate::base::time::Time;
 use crate::camera::{Camera, Projection, ThinLens};
 use crate::film::filter::FilterSampler;
-use crate::film::{AovSet, LayerId};
+use crate::film::{AovSet, Film, LayerId};
 use crate::geometry::mesh::{self, Normals, generate};
 use crate::geometry::shape::{
     Cone as ConeShape, Cuboid, Cylinder, Disk, Mesh, Operation, Plane, Rectangle, Shape, Solid, Sphere,
@@ -28,7 +28,8 @@ use crate::scene::{Finish, Geometry, Scene, Shading, Weights};
 use crate::sequence::quality::{Integrator, PathSettings, Quality};
 use crate::testing::Random;
 use crate::trace::pixels::{PixelTracer, SampleSet};
-use crate::trace::{Moment, TraceSettings};
+use crate::trace::{Moment, TraceSettings, trace};
+use std::ops::Range;
 use std::sync::Arc;
 
 const SIZE: (u32, u32) = (61, 37);
@@ -289,7 +290,7 @@ impl RandomScene {
         let scene = Scene { geometry, shading, weights: &weights, camera };
         let bvh = Bvh::build(geometry);
         let filter = FilterSampler::new(quality.filter);
-        let settings = TraceSettings { size: SIZE, quality: *quality, filter, aovs: *aovs };
+        let settings = TraceSettings { size: SIZE, quality: *quality, filter, aovs: *aovs, first_sample: 0 };
         let pixels = PixelTracer::new(&scene, &bvh, &settings, Moment::ONLY);
         let samples = if pixels.random { quality.samples } else { quality.antialias * quality.antialias };
         let places: Vec<_> = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))).collect();
@@ -303,6 +304,18 @@ impl RandomScene {
             }
         }
         (sums, counts)
+    }
+
+    /// The film of a range of each pixel's samples.
+    pub fn film(&self, samples: Range<u32>) -> Film {
+        let Self { geometry, shading, camera, layers, aovs, .. } = self;
+        let weights = Weights(vec![Rgb::ONE; *layers]);
+        let scene = Scene { geometry, shading, weights: &weights, camera };
+        let quality = Quality { samples: samples.len() as u32, noise: None, ..self.quality };
+        let filter = FilterSampler::new(quality.filter);
+        let settings =
+            TraceSettings { size: SIZE, quality, filter, aovs: *aovs, first_sample: samples.start };
+        trace(&scene, &Bvh::build(geometry), &settings, &ProgressMeter::default()).0
     }
 }
 

@@ -16,13 +16,21 @@ pub struct TraceSettings {
     pub filter: FilterSampler,
     /// What films record besides light.
     pub aovs: AovSet,
+    /// The number of the first random sample of each pixel. The quality tells how many there are.
+    pub first_sample: u32,
 }
 
 #[warn(missing_docs)]
 impl TraceSettings {
     /// Settings of a film of light alone.
     pub fn new(size: (u32, u32), quality: Quality) -> Self {
-        Self { size, quality, filter: FilterSampler::new(quality.filter), aovs: AovSet::default() }
+        Self {
+            size,
+            quality,
+            filter: FilterSampler::new(quality.filter),
+            aovs: AovSet::default(),
+            first_sample: 0,
+        }
     }
 }
 

@@ -95,6 +95,8 @@ pub mod flags {
     pub const LIGHT_COUNTED: u32 = 1 << 1;
     /// The path has not been reflected or refracted yet.
     pub const FROM_EYE: u32 = 1 << 2;
+    /// The path has only been reflected by mirrors and refracted, if at all.
+    pub const SPECULAR: u32 = 1 << 3;
 }
 
 /// The paths of a wave.

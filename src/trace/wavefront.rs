@@ -10,7 +10,7 @@
 mod tests;
 
 use super::accumulate::Accumulator;
-use super::aov::RecordAovs;
+use super::aov::{RecordAovs, RecordedSurface};
 use super::camera_rays::{GenerateRays, PixelSamples, Placement};
 use super::coincident::Events;
 use super::context::{Queue, TraceContext};
@@ -195,7 +195,12 @@ impl WaveState<'_> {
                 continue;
             }
             if let Some(first) = self.context.aovs {
-                dispatch(RecordAovs { wave: self, queue, first });
+                let surface = RecordedSurface::Visible;
+                dispatch(RecordAovs { wave: self, queue, first, scale: 1.0, surface });
+            }
+            if let Some(guides) = self.context.guides {
+                let (first, scale, surface) = (guides.layer, guides.scale, RecordedSurface::Scattering);
+                dispatch(RecordAovs { wave: self, queue, first, scale, surface });
             }
             match queue {
                 Queue::Escaped => dispatch(HandleEscaped { wave: self, queue: paths }),

@@ -196,8 +196,8 @@ impl<F: Real> WhittedShader<'_, F> {
         share: Color<F::F32>,
         (mask, sharp): (F::Mask, F::Mask),
     ) {
-        let (none, counted) = (F::U32::splat(0), F::U32::splat(flags::LIGHT_COUNTED));
-        let flags = F::U32::select(sharp, none, counted);
+        let specular = self.at.path.flags.and(F::U32::splat(flags::SPECULAR));
+        let flags = F::U32::select(sharp, specular, F::U32::splat(flags::LIGHT_COUNTED));
         let mask = mask & ray.is_valid;
         let branch = Branch { number, ray, share, mask, flags, medium: self.at.path.medium };
         wave.counts.rays.mirror += u64::from(self.push(wave, &branch).bits().count_ones());

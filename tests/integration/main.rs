@@ -48,6 +48,7 @@ mod larger;
 mod integrators;
 mod radiance;
 mod transport;
+mod denoise;
 mod noise;
 mod observability;
 mod accuracy;

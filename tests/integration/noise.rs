@@ -10,7 +10,7 @@ use kinora::pipeline::plan::Plan;
 use kinora::pipeline::schedule::{FilmCollector, FrameLoop};
 use kinora::sampling::SamplerKind;
 use kinora::sequence::Sequence;
-use kinora::sequence::quality::NoiseTarget;
+use kinora::sequence::quality::{Denoise, NoiseTarget};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ fn soft_shadow(quality: &str) -> Sequence {
     ))
 }
 
-fn film(sequence: &Sequence, frame: u32, seed: u32) -> Film {
+pub fn film(sequence: &Sequence, frame: u32, seed: u32) -> Film {
     let mut sequence = sequence.clone();
     sequence.quality.seed = seed;
     shoot(&sequence, [frame]).remove(0).film
@@ -36,10 +36,11 @@ fn radiance(sequence: &Sequence, frame: u32, seed: u32) -> Vec<Rgb> {
 }
 
 /// Two long renders, with seeds that nothing else has.
-fn references(sequence: &Sequence, frame: u32, samples: u32) -> ReferencePair {
+pub fn references(sequence: &Sequence, frame: u32, samples: u32) -> ReferencePair {
     let mut sequence = sequence.clone();
     (sequence.quality.samples, sequence.quality.noise) = (samples, None);
     sequence.quality.points = SamplerKind::Sobol;
+    sequence.quality.denoise = Denoise::Off;
     let [a, b] = [1_000_001, 1_000_002].map(|seed| radiance(&sequence, frame, seed));
     ReferencePair { a, b }
 }
@@ -75,7 +76,7 @@ fn stratified_samples_converge_faster() {
 }
 
 /// How far a picture really is from the reference, measured as [`Noise`] measures.
-fn true_error(film: &Film, references: &ReferencePair) -> f64 {
+pub fn true_error(film: &Film, references: &ReferencePair) -> f64 {
     let radiance: Vec<Rgb> = film.radiance().collect();
     let best = references.best();
     let sum: f64 = best.iter().map(|light| light.as_dvec3().element_sum()).sum();
@@ -84,7 +85,7 @@ fn true_error(film: &Film, references: &ReferencePair) -> f64 {
 
 /// Of many runs of a frame: the share whose true error lies in the reported interval, the share whose true error lies above
 /// it, and the mean true error.
-fn stated(sequence: &Sequence, frame: u32, seeds: Range<u32>, samples: u32) -> (f64, f64, f64) {
+pub fn stated(sequence: &Sequence, frame: u32, seeds: Range<u32>, samples: u32) -> (f64, f64, f64) {
     let references = references(sequence, frame, samples);
     let (mut inside, mut above, mut sum) = (0, 0, 0.0);
     let runs = seeds.len() as f64;

@@ -8,7 +8,7 @@ use crate::cli::forecast_text::{advice, error_range, short_time, time_range};
 use crate::cli::summary::reused_frames;
 use crate::pipeline::plan::{EffectSource, FrameSpan, RayEstimate, Reason, SceneEffect, camera_rays};
 use crate::pipeline::schedule::ViewObstacle;
-use crate::sequence::quality::SampleReuse;
+use crate::sequence::quality::{Denoise, SampleReuse};
 use crate::trace::PathObstacle;
 
 /// Explains the word to readers who meet it here for the first time.
@@ -200,8 +200,10 @@ fn path_obstacle(obstacle: PathObstacle) -> &'static str {
 fn zoom(report: &PlanReport) -> Option<String> {
     let groups = &report.plan.view_groups;
     if groups.is_empty() && report.sequence.quality.reuse == SampleReuse::Zoom {
-        let why = match report.sequence.quality.noise {
+        let quality = &report.sequence.quality;
+        let why = match quality.noise {
             Some(_) => view_obstacle(ViewObstacle::Target),
+            None if quality.denoise != Denoise::Off => view_obstacle(ViewObstacle::Denoise),
             None => view_obstacle(report.plan.view_obstacle().unwrap_or_default()),
         };
         return Some(format!("no films share samples, because {why}"));
@@ -237,6 +239,7 @@ fn zoom(report: &PlanReport) -> Option<String> {
 fn view_obstacle(obstacle: ViewObstacle) -> &'static str {
     match obstacle {
         ViewObstacle::Target => "frames are sampled until they reach a target error",
+        ViewObstacle::Denoise => "frames are denoised",
         ViewObstacle::Lens => "the camera has a lens",
         ViewObstacle::Parallel => "the camera is orthographic",
         ViewObstacle::Shutter => "something moves while the shutter is open",

@@ -44,8 +44,8 @@ fn rays_of_view(sequence: &Sequence, random: bool) -> u64 {
     let quality = &sequence.quality;
     let each = match quality.noise {
         _ if !random => quality.antialias * quality.antialias,
-        Some(target) => target.most.min(MIN_SAMPLES),
-        None => quality.samples,
+        Some(target) => quality.traced_samples(target.most.min(MIN_SAMPLES)),
+        None => quality.traced_samples(quality.samples),
     };
     u64::from(width) * u64::from(height) * u64::from(each)
 }

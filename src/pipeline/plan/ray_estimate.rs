@@ -12,6 +12,7 @@ use crate::encode::EncodeError;
 use crate::film::{Film, LayerId};
 use crate::pipeline::schedule::{FilmSink, FrameLoop, FrameState};
 use crate::sequence::Sequence;
+use crate::sequence::quality::Denoise;
 use crate::trace::{MIN_SAMPLES, PathObstacle};
 use std::sync::Arc;
 
@@ -185,6 +186,7 @@ fn trials(sequence: &Sequence, films: &[LitFrame], budget: PilotBudget) -> Optio
 pub fn downscaled(sequence: &Sequence, state: &FrameState, samples: u64) -> Sequence {
     let mut small = sequence.clone();
     small.quality.antialias = 1;
+    small.quality.denoise = Denoise::Off;
     small.quality.samples = sequence.quality.samples.min(state.moments);
     if small.quality.noise.take().is_some() {
         small.quality.samples = MIN_SAMPLES;

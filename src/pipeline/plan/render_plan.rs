@@ -7,6 +7,7 @@ use super::view_groups::view_groups;
 use crate::film::{AovSet, LayerId};
 use crate::pipeline::schedule::{FrameState, ViewObstacle};
 use crate::sequence::Sequence;
+use crate::sequence::quality::Denoise;
 use crate::trace::MAX_FRAMES;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -72,7 +73,8 @@ impl Plan {
             view_groups: Vec::new(),
         };
         plan.view_groups = view_groups(&plan, sequence);
-        if sequence.quality.noise.is_none() {
+        // Frames that are denoised are traced in sets of samples, each frame for itself.
+        if sequence.quality.noise.is_none() && sequence.quality.denoise == Denoise::Off {
             plan.copied =
                 (0..plan.films.len()).map(|film| copy_pays(sequence, plan.state_of(film))).collect();
             plan.sharing_budget = plan.cache.budget.saturating_sub(plan.kept_bytes());

@@ -59,5 +59,5 @@ pub(crate) fn job(sequence: &Sequence, request: &Request, states: &FrameStates) 
 pub(crate) fn requested_aovs(sequence: &Sequence, outputs: &[Output]) -> AovSet {
     let exr = outputs.iter().any(|output| matches!(output, Output::Stills(StillFormat::Exr, _)));
     let features = exr && sequence.output.formats.exr.layers.need_features();
-    AovSet { coverage: sequence.output.transparent, features }
+    AovSet { coverage: sequence.output.transparent, features, guides: false }
 }

@@ -2,7 +2,7 @@
 
 use crate::base::digest::{Content, Digester};
 use crate::sequence::Sequence;
-use crate::sequence::quality::{Integrator, Quality};
+use crate::sequence::quality::{Denoise, Integrator, Quality};
 
 /// Settings that are part of a film's digest.
 pub struct FilmSettings {
@@ -30,7 +30,7 @@ impl FilmSettings {
         let Self { size: (width, height), coverage, quality } = self;
         let Quality { integrator, bounces, filter, antialias, samples, .. } = quality;
         // Frames that share samples of views have digests of these views besides.
-        let Quality { threshold, clamp, smooth_terminator, seed, noise, points, .. } = quality;
+        let Quality { threshold, clamp, smooth_terminator, seed, noise, points, denoise, .. } = quality;
         (*width, *height, *coverage).feed(into);
         (integrator, *bounces, filter).feed(into);
         (*clamp, *smooth_terminator, random).feed(into);
@@ -39,6 +39,10 @@ impl FilmSettings {
         }
         if random {
             (*seed, points).feed(into);
+            // Films that are not denoised keep their digests.
+            if *denoise != Denoise::Off {
+                denoise.feed(into);
+            }
             match noise {
                 Some(target) => target.feed(into),
                 None => samples.feed(into),

@@ -66,6 +66,7 @@ impl<S: FilmSink> FrameLoop<S> {
             quality: sequence.quality,
             filter: FilterSampler::new(sequence.quality.filter),
             aovs,
+            first_sample: 0,
         }));
         world.insert_resource(ExposureTrack(sequence.output.exposure.clone()));
         world.insert_resource(FilmInProgress::default());

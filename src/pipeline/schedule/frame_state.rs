@@ -67,6 +67,8 @@ pub struct FadedView {
 pub enum ViewObstacle {
     /// Frames are sampled until they reach a target error.
     Target,
+    /// Frames are denoised, so each needs samples of its own.
+    Denoise,
     /// Light depends on more than the direction of a ray: the camera has a lens, or its rays are parallel.
     Lens,
     Parallel,

@@ -14,6 +14,7 @@ mod prepared_world;
 mod preview;
 mod progressive_loop;
 mod prober;
+mod sample_sets;
 mod shared_paths;
 mod shutter;
 mod stages;

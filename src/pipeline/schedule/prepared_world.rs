@@ -38,6 +38,7 @@ impl PreparedWorld {
             quality: sequence.quality,
             filter: FilterSampler::new(sequence.quality.filter),
             aovs,
+            first_sample: 0,
         };
         let mut schedule = update_schedule();
         let rebuilt = accelerate.run_if(resource_changed::<Current<Geometry>>);

@@ -1,5 +1,6 @@
 //! Systems besides animation and extraction, and the resources that only they need.
 
+use super::sample_sets::SampleSets;
 use crate::base::math::DVec3;
 use crate::base::stats::{Counts, ProgressMeter};
 use crate::camera::Camera;
@@ -9,7 +10,10 @@ use crate::film::{Film, lit};
 use crate::import::series::StepError;
 use crate::scene::top_level::{Bvh, BvhUpdate};
 use crate::scene::{Geometry, Scene, Shading, Weights};
-use crate::trace::{AdaptiveFrame, Moment, TraceSettings, Weightings, trace_moment, trace_weighted};
+use crate::sequence::quality::Denoise;
+use crate::trace::{
+    AdaptiveFrame, Moment, TraceSettings, Weightings, is_random, trace_moment, trace_weighted,
+};
 use crate::track::Animated;
 use crate::world::{Current, Now};
 use bevy_ecs::resource::Resource;
@@ -152,12 +156,14 @@ pub struct FilmInProgress {
     pub kept: Option<Film>,
     /// Samples of a frame of several moments that has not reached its target error yet.
     rounds: Option<AdaptiveFrame>,
+    /// Samples of a frame that will be denoised.
+    sets: Option<SampleSets>,
 }
 
 impl FilmInProgress {
-    /// Whether the sampler needs another round over the frame's moments.
+    /// Whether the frame needs another round over its moments.
     pub fn needs_another_round(&self) -> bool {
-        self.rounds.is_some()
+        self.rounds.is_some() || self.sets.is_some()
     }
 }
 
@@ -284,14 +290,25 @@ pub fn trace_frame(
         true => [weights.0.0.clone()].into(),
         false => Weightings::clone(&request.weightings),
     };
-    let (film, counts) = match current.0 {
+    let (settings, mut sets) = (&settings.0, in_progress.sets.take());
+    if sets.is_none() && is_denoised(&scene, settings, current.0) {
+        sets = Some(SampleSets::new(&settings.quality));
+    }
+    let of_set = sets.as_ref().map(|sets| sets.settings(settings));
+    sets.iter().for_each(|sets| sets.show(&progress.0));
+    let traced = of_set.as_ref().unwrap_or(settings);
+    let (mut film, counts) = match current.0 {
         Moment::ONLY => {
-            let (film, counts) = trace_weighted(&scene, &bvh.0, &settings.0, &weightings, &progress.0);
+            let (film, counts) = trace_weighted(&scene, &bvh.0, traced, &weightings, &progress.0);
             (Some(film), counts)
         }
-        moment => in_progress.add_moment(&scene, &bvh.0, &settings.0, (moment, &weightings), &progress.0),
+        moment => in_progress.add_moment(&scene, &bvh.0, traced, (moment, &weightings), &progress.0),
     };
     stats.counts += counts;
+    if let Some(mut sets) = sets {
+        film = film.and_then(|film| sets.add(film, &settings.quality, &weightings, &progress.0));
+        in_progress.sets = film.is_none().then_some(sets);
+    }
     let Some(film) = film else { return };
     let mut film = film.shown_as(request.own, &weights.0.0);
     film.expose(exposure.0.at(now.0.start));
@@ -304,6 +321,12 @@ pub fn trace_frame(
     in_progress.film = Some(film);
     stats.traced += 1;
     progress.0.frames.fetch_add(1, Relaxed);
+}
+
+/// Whether a frame is denoised: only random samples are noisy.
+fn is_denoised(scene: &Scene, settings: &TraceSettings, moment: Moment) -> bool {
+    settings.quality.denoise == Denoise::Auto
+        && (moment.of > 1 || is_random(scene, settings.quality.integrator))
 }
 
 impl FilmInProgress {

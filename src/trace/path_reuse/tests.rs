@@ -95,7 +95,7 @@ fn compare(seed: u64, scene: &RandomScene, moments: u32) -> Outcome {
     let (camera, quality, aovs, layers) = scene.settings();
     let filter = FilterSampler::new(quality.filter);
     let quality = Quality { samples: quality.samples.max(2), ..quality };
-    let settings = TraceSettings { size: (61, 37), quality, filter, aovs };
+    let settings = TraceSettings { size: (61, 37), quality, filter, aovs, first_sample: 0 };
     let weights = Weights(vec![Rgb::ONE; layers]);
     let all: Vec<FramePose> = posed
         .iter()
@@ -155,7 +155,7 @@ fn poses_take_turns_with_a_scratch_buffer() {
     let posed = poses(&scene, &mut Random(5002), 7, 3);
     let (camera, quality, aovs, layers) = scene.settings();
     let filter = FilterSampler::new(quality.filter);
-    let settings = TraceSettings { size: (61, 37), quality, filter, aovs };
+    let settings = TraceSettings { size: (61, 37), quality, filter, aovs, first_sample: 0 };
     let weights = Weights(vec![Rgb::ONE; layers]);
     let pool = Arc::new(ScratchPool::default());
     let scenes: Vec<Scene> = posed

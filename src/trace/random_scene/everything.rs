@@ -43,7 +43,7 @@ impl RandomScene {
             scene.quality.integrator = Integrator::Whitted;
             scene.quality.bounces = scene.quality.bounces.min(2);
         }
-        scene.aovs = AovSet { coverage: random.unit() < 0.3, features: random.unit() < 0.3 };
+        scene.aovs = AovSet { coverage: random.unit() < 0.3, features: random.unit() < 0.3, guides: false };
         scene
     }
 

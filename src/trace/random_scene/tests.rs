@@ -70,3 +70,28 @@ fn pictures_of_everything_are_the_same_on_all_levels_and_divided_anyhow() {
     }
     assert!(fog > 10_000 && rays > 10_000, "{fog} {rays}");
 }
+
+#[test]
+fn guides_are_the_same_on_all_levels_and_divided_anyhow() {
+    for seed in 0..16 {
+        let mut scene = RandomScene::of_paths(seed);
+        scene.aovs.guides = true;
+        traced_alike(&scene, seed);
+    }
+}
+
+/// Films of parts of the samples have the mean that a film of all samples is.
+#[test]
+fn films_of_halves_make_the_film() {
+    let mut differ = 0;
+    for seed in 0..8 {
+        let scene = RandomScene::of_paths(seed);
+        let [first, second, all] = [0..4, 4..8, 0..8].map(|samples| scene.film(samples));
+        for ((first, second), all) in first.data.iter().zip(second.data.iter()).zip(all.data.iter()) {
+            differ += u32::from(first != second);
+            let off = ((*first + *second) * 0.5 - *all).abs().max_element();
+            assert!(off <= 1e-6 * all.abs().max_element(), "seed {seed}: {first} {second} {all}");
+        }
+    }
+    assert!(differ > 10_000, "{differ}");
+}

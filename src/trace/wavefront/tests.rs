@@ -53,7 +53,7 @@ fn followed(pixels: u32, max_paths: usize) -> (Vec<[f64; 3]>, Counts, usize) {
     let bvh = Bvh::build(&geometry);
     let quality = Quality { bounces: BOUNCES, threshold: 0.0, ..Quality::default() };
     let filter = FilterSampler::new(quality.filter);
-    let settings = TraceSettings { size: (8, 1), quality, filter, aovs: AovSet::default() };
+    let settings = TraceSettings { size: (8, 1), quality, filter, aovs: AovSet::default(), first_sample: 0 };
     let context = TraceContext::new(&scene, &bvh, &settings);
     let mut scratch = ScratchBuffer { max_paths, ..ScratchBuffer::new(&context) };
     let (mut samples, mut group) = (PixelSamples::with_capacity(8), SampleGroup::default());

@@ -1,0 +1,178 @@
+use super::*;
+use crate::film::LayerId;
+use crate::testing::Random;
+use glam::Vec3;
+
+const SIZE: (u32, u32) = (64, 48);
+
+/// Layers whose light depends on guides, on the position alone, and on a pattern that no guide shows.
+fn truth(x: u32, y: u32, layer: usize) -> Rgb {
+    let (u, v) = (f64::from(x) / 64.0, f64::from(y) / 48.0);
+    let smooth = Rgb::new(0.3, 0.4, 0.5) * (1.0 + 0.8 * libm::sin(3.0 * u + 2.0 * v)) as f32;
+    let hidden_edge = if (x / 9 + y / 7).is_multiple_of(2) { 1.0 } else { 0.3 };
+    match layer {
+        0 => smooth * albedo(x),
+        _ => Rgb::new(0.6, 0.5, 0.2) * hidden_edge,
+    }
+}
+
+fn albedo(x: u32) -> f32 {
+    if x < 30 { 0.8 } else { 0.2 }
+}
+
+/// Two halves and two audits.
+struct Films([Film; 4]);
+
+impl Films {
+    fn denoise(&self) -> Film {
+        let [first, second, a, b] = &self.0;
+        denoise(&SampleFilms { halves: [first, second], audits: [a, b] }, SAMPLES)
+    }
+
+    /// The samples of both halves, without a filter.
+    fn samples_alone(&self) -> Film {
+        let [first, second, ..] = &self.0;
+        let mut film = first.clone();
+        let pairs = film.data_mut().iter_mut().zip(second.data.iter());
+        pairs.for_each(|(value, other)| *value = (*value + *other) * 0.5);
+        film
+    }
+}
+
+/// Samples per pixel of all films.
+const SAMPLES: f64 = 10.0;
+
+/// Films of the truth. Halves have noise of the standard deviation `noise`, in proportion to the light; audits have a quarter
+/// of their samples.
+fn noisy(layers: usize, noise: f32, seed: u64) -> Films {
+    let mut random = Random(seed);
+    let films = [(noise, true), (noise, true), (2.0 * noise, false), (2.0 * noise, false)];
+    Films(films.map(|(noise, guides)| {
+        let aovs = AovSet { guides, ..AovSet::default() };
+        let mut film = Film::with_aovs(SIZE.0, SIZE.1, vec![Rgb::ONE; layers], aovs);
+        let count = film.layers();
+        for (pixel, data) in film.data_mut().chunks_exact_mut(count).enumerate() {
+            let (x, y) = (pixel as u32 % SIZE.0, pixel as u32 / SIZE.0);
+            for (layer, value) in data[..layers].iter_mut().enumerate() {
+                // Twelve uniform numbers add up to nearly normal noise of the variance 1.
+                let mut normal = || (0..12).map(|_| random.unit() as f32).sum::<f32>() - 6.0;
+                *value = truth(x, y, layer) * (Rgb::ONE + Vec3::new(normal(), normal(), normal()) * noise);
+            }
+            if guides {
+                let guides = [Vec3::new(0.1, 1.0, 0.0), Vec3::Y, Vec3::splat(albedo(x))];
+                data[layers..].copy_from_slice(&guides);
+            }
+        }
+        film
+    }))
+}
+
+/// The mean squared error over pixels and channels, with these weights.
+fn squared_error(film: &Film, weights: &[Rgb]) -> f64 {
+    let shown = film.weighted_by(weights);
+    let pixels = (SIZE.0 * SIZE.1) as usize;
+    let sum: f64 = (0..pixels)
+        .map(|pixel| {
+            let (x, y) = (pixel as u32 % SIZE.0, pixel as u32 / SIZE.0);
+            let exact: Rgb =
+                weights.iter().enumerate().map(|(layer, weight)| *weight * truth(x, y, layer)).sum();
+            f64::from((shown.radiance_at(pixel) - exact).length_squared())
+        })
+        .sum();
+    sum / (3 * pixels) as f64
+}
+
+#[test]
+fn light_that_follows_guides_loses_nearly_all_noise() {
+    let films = noisy(1, 0.5, 1);
+    let weights = [Rgb::ONE];
+    let (before, after) =
+        (squared_error(&films.samples_alone(), &weights), squared_error(&films.denoise(), &weights));
+    assert!(after < before / 20.0, "{before} {after}");
+}
+
+/// Where guides show nothing, more samples lead to the truth: the error falls at least as that of the samples does.
+#[test]
+fn denoised_films_converge() {
+    let weights = [Rgb::ZERO, Rgb::ONE];
+    for noise in [0.5, 0.1, 0.02, 0.004] {
+        let films = noisy(2, noise, 2);
+        let (before, after) =
+            (squared_error(&films.samples_alone(), &weights), squared_error(&films.denoise(), &weights));
+        assert!(after < 1.1 * before, "{noise}: {before} {after}");
+    }
+    let films = noisy(2, 0.0, 2);
+    assert_eq!(films.denoise().data.len(), films.0[0].held.len() * (SIZE.0 * SIZE.1) as usize);
+    assert!(squared_error(&films.denoise(), &weights) < 1e-12);
+}
+
+/// The estimates are the true squared errors on average, and the intervals hold them, with any weights.
+#[test]
+fn the_stated_error_is_true() {
+    const RUNS: u64 = 60;
+    for (noise, weights) in [
+        (0.5, [Rgb::ONE, Rgb::ZERO]),
+        (0.5, [Rgb::ZERO, Rgb::ONE]),
+        (0.1, [Rgb::new(0.2, 1.0, 3.0), Rgb::splat(0.5)]),
+    ] {
+        let (mut sum, mut squares, mut before, mut held) = (0.0, 0.0, 0.0, 0);
+        for seed in 0..RUNS {
+            let films = noisy(2, noise, 100 + seed);
+            let film = films.denoise();
+            let remaining = film.remaining.as_ref().expect("an error");
+            let error = squared_error(&film, &weights);
+            let off = remaining.square(&weights).0 - error;
+            (sum, squares) = (sum + off, squares + off * off);
+            before += squared_error(&films.samples_alone(), &weights);
+            let pixels = f64::from(SIZE.0 * SIZE.1);
+            let light = film
+                .weighted_by(&weights)
+                .radiance()
+                .map(|light| f64::from(light.element_sum()))
+                .sum::<f64>();
+            let (stated, relative) = (remaining.of(&weights), error.sqrt() / (light / (3.0 * pixels)));
+            held += u32::from((stated.low..=stated.high).contains(&relative));
+        }
+        // Four standard errors of the mean, which are small beside what the samples alone have.
+        let runs = RUNS as f64;
+        let within = 4.0 * squares.sqrt() / runs;
+        assert!((sum / runs).abs() < within, "{noise}: {sum} {squares} {before}");
+        assert!(within < 0.1 * before / runs, "{noise}: {sum} {squares} {before}");
+        assert!(held >= 54, "{noise}: {held} of {RUNS}");
+    }
+}
+
+#[test]
+fn threads_and_guides_leave_no_trace() {
+    let films = noisy(2, 0.3, 3);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| films.denoise())
+    };
+    let film = with(1);
+    assert_eq!(film, with(3));
+    assert_eq!(
+        (film.aovs, film.layers(), &*film.held),
+        (AovSet::default(), 2, &[LayerId(0), LayerId(1)][..])
+    );
+    assert_eq!(film.noise.expect("an error").samples, SAMPLES);
+}
+
+/// Pixels whose guides are useless, or whose light overflows, harm neither their neighbours nor the program.
+#[test]
+fn wild_guides_are_no_harm() {
+    let mut films = noisy(1, 0.1, 4);
+    for film in &mut films.0[..2] {
+        let count = film.layers();
+        let guides = [f32::INFINITY, f32::NAN, f32::MAX, -1e30];
+        for (at, guide) in guides.into_iter().enumerate() {
+            film.data_mut()[(700 + 40 * at) * count + 1..][..GUIDES_OF_A_PIXEL].fill(Vec3::splat(guide));
+        }
+    }
+    let film = films.denoise();
+    assert!(film.data.iter().all(|light| light.is_finite()));
+    let weights = [Rgb::ONE];
+    assert!(squared_error(&film, &weights) < squared_error(&films.samples_alone(), &weights));
+}
+
+const GUIDES_OF_A_PIXEL: usize = crate::film::aov::GUIDES;

@@ -1,0 +1,120 @@
+//! Denoised frames: what they gain, and whether the error that they state is true.
+
+use crate::command::{contents, folder, kinora, refused};
+use crate::noise::{film, references, stated, true_error};
+use crate::support::sequence;
+use kinora::sequence::Sequence;
+use kinora::sequence::quality::Denoise;
+use std::fs;
+
+/// A room with a lamp, a mirror ball and a glass ball, by paths. Two lights have keys.
+fn room(quality: &str) -> String {
+    format!(
+        r##"(output: (size: (64, 48)), quality: (integrator: Path(), bounces: 4, {quality}), background: 0.05,
+        timeline: (frames: 4, keys: Frames), camera: (position: (0, 3, 8), target: (0, 1, 0)),
+        lights: {{ "panel": Rectangle(corner: (-1, 4, -1), u: (2, 0, 0), v: (0, 0, 2), intensity: [(0, 6), (3, 1)]),
+            "side": Sphere(center: (3, 2, 1), radius: 0.3, intensity: [(0, 1), (3, 20)], color: (1, 0.8, 0.5)) }},
+        objects: {{
+            "floor": (shape: Plane(), material: Lambertian(color: Checker(a: "#777", b: "#ccc"))),
+            "wall": (shape: Box(min: (-4, 0, -3), max: (4, 5, -2.8)), material: Lambertian(color: (0.7, 0.5, 0.4))),
+            "mirror": (shape: Sphere(center: (-1.3, 1, 0)), material: Metal(color: 0.9)),
+            "glass": (shape: Sphere(center: (1.2, 0.8, 1), radius: 0.8), material: Dielectric(ior: 1.5)),
+            "matt": (shape: Sphere(center: (0, 0.5, 2), radius: 0.5), material: Lambertian(color: (0.2, 0.6, 0.8))) }})"##
+    )
+}
+
+fn both(quality: &str) -> [Sequence; 2] {
+    let denoised = sequence(&room(quality));
+    let mut plain = denoised.clone();
+    plain.quality.denoise = Denoise::Off;
+    [plain, denoised]
+}
+
+/// The squared error falls by a quarter at least here, where half of the picture is glass, mirrors and a pattern, and
+/// nothing is larger than a few pixels.
+#[test]
+fn denoising_lowers_the_error() {
+    let [plain, denoised] = both("samples: 16, denoise: Auto");
+    let references = references(&plain, 0, 1024);
+    let square = |sequence: &Sequence| -> f64 {
+        let errors = (0..8).map(|seed| true_error(&film(sequence, 0, seed), &references));
+        errors.map(|error| error * error).sum()
+    };
+    let (before, after) = (square(&plain), square(&denoised));
+    assert!(after < 0.75 * before, "{before} {after}");
+}
+
+/// The stated error holds for every frame that shares the film, whatever the brightness of its lights.
+fn hold_the_truth(cases: &[(u32, u32)], (runs, reference): (u32, u32), at_least: f64) {
+    for (samples, frame) in cases {
+        let sequence = sequence(&room(&format!("samples: {samples}, denoise: Auto")));
+        let (inside, above, mean) = stated(&sequence, *frame, 0..runs, reference);
+        assert!(inside >= at_least, "{samples} samples, frame {frame}: {inside}, {above} above, {mean}");
+    }
+}
+
+/// Of 40 frames with a chance of 95 %, fewer than 34 are one case in 300.
+#[test]
+fn stated_errors_of_denoised_frames_are_true() {
+    hold_the_truth(&[(16, 3)], (40, 1024), 0.85);
+}
+
+/// Of 200 frames with a chance of 95 %, fewer than 180 are one case in 900.
+#[test]
+#[ignore = "takes minutes; cargo test --release --test integration over_200_seeds -- --ignored"]
+fn stated_errors_of_denoised_frames_are_true_over_200_seeds() {
+    hold_the_truth(&[(16, 0), (16, 3), (64, 1)], (200, 4096), 0.9);
+}
+
+/// Samples are added until the error of every frame that shares the film is below the target with its interval.
+#[test]
+fn targets_hold_for_denoised_frames() {
+    let sequence = sequence(&room("noise: 0.05, denoise: Auto"));
+    let (_, above, mean) = stated(&sequence, 3, 0..3, 1024);
+    assert!(above <= 0.25 && mean < 0.05, "{above} {mean}");
+}
+
+/// The same bytes for any threads, shards and reuse; files state the error; and the next run keeps them.
+#[test]
+fn bytes_and_files() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("room.ron"), room("samples: 8, denoise: Auto")).expect("the folder is writable");
+    let all = kinora(at, &["render", "room.ron", "--threads", "2", "-o", "a_##.png"]);
+    assert!(all.contains("with 95 % confidence"), "{all}");
+    let alone = ["--no-reuse", "--frames", "3"];
+    kinora(at, &[&["render", "room.ron", "--threads", "1", "-o", "b_##.png"], &alone[..]].concat());
+    kinora(at, &["render", "room.ron", "--shard", "1/2", "-o", "c_##.png"]);
+    let files = contents(at);
+    assert_eq!(files["a_03.png"], files["b_03.png"]);
+    for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("c_")) {
+        assert_eq!(*bytes, files[&name.replace('c', "a")]);
+    }
+    let text = String::from_utf8_lossy(&files["a_03.png"]).into_owned();
+    assert!(text.contains("kinora:error") && text.contains("kinora:denoise"));
+    let again = kinora(at, &["render", "room.ron", "-o", "a_##.png"]);
+    assert!(again.contains("with 95 % confidence") && again.contains("4 of them kept"), "{again}");
+    let noisy = kinora(at, &["render", "room.ron", "--frames", "3", "-o", "d_##.png", "--samples", "12"]);
+    // 12, and two for each audit.
+    assert!(noisy.contains("16 samples a pixel"), "{noisy}");
+}
+
+/// Frames without random samples are the same with and without the denoiser.
+#[test]
+fn exact_frames_stay_as_they_are() {
+    let folder = folder();
+    let at = folder.path();
+    kinora(at, &["render", "ball.ron", "--frames", "5", "-o", "a_##.png"]);
+    kinora(at, &["render", "ball.ron", "--frames", "5", "--denoise", "-o", "b_##.png"]);
+    let files = contents(at);
+    assert_eq!(files["a_05.png"], files["b_05.png"]);
+}
+
+#[test]
+fn other_words_are_refused() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("bad.ron"), room("denoise: On")).expect("the folder is writable");
+    let message = refused(at, &["check", "bad.ron"]);
+    assert!(message.contains("`Off` or `Auto`") || message.contains("`Auto`"), "{message}");
+}
