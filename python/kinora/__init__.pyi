@@ -67,6 +67,7 @@ class Settings(TypedDict, total=False):
     noise: float | None
     max_samples: int | None
     denoise: bool
+    no_denoise: bool
     seed: int | None
     threads: int | None
     integrator: Literal["whitted", "path"] | None

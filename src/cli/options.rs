@@ -5,7 +5,7 @@ use super::progress::ProgressMode;
 use super::values;
 use crate::base::time::Rate;
 use crate::encode::Tonemap;
-use crate::sequence::quality::{Integrator, SampleReuse};
+use crate::sequence::quality::{Denoise, Integrator, SampleReuse};
 use clap::Args;
 use std::num::NonZeroUsize;
 
@@ -68,8 +68,12 @@ pub struct RenderOptions {
     ///
     /// Filters each part of the picture where that is estimated to lower its error, and prints
     /// the error of the result. --noise adds samples until that error is below the target.
-    #[arg(long, verbatim_doc_comment)]
+    #[arg(long, conflicts_with = "no_denoise", verbatim_doc_comment)]
     pub denoise: bool,
+
+    /// Keep frames as they are sampled, whatever the sequence says
+    #[arg(long)]
+    pub no_denoise: bool,
 
     /// Maximum samples per pixel for --noise [default: as in the sequence, or 4096]
     #[arg(long, value_name = "N", value_parser = values::samples, allow_hyphen_values = true)]
@@ -123,7 +127,11 @@ impl RenderOptions {
             integrator: self.integrator,
             seed: self.seed,
             reuse: self.reuse,
-            denoise: self.denoise,
+            denoise: match (self.denoise, self.no_denoise) {
+                (true, _) => Some(Denoise::Auto),
+                (_, true) => Some(Denoise::Off),
+                _ => None,
+            },
             tonemap: self.tonemap,
             exposure: self.exposure,
             draft: self.draft,

@@ -30,7 +30,8 @@ pub struct Overrides {
     pub seed: Option<u32>,
     /// Which samples frames share.
     pub reuse: Option<SampleReuse>,
-    pub denoise: bool,
+    /// Whether frames with random samples are denoised.
+    pub denoise: Option<Denoise>,
     pub tonemap: Option<Tonemap>,
     /// In stops. Replaces the keys of the file.
     pub exposure: Option<f64>,
@@ -102,7 +103,7 @@ pub fn apply(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, Str
     }
     replace(&mut quality.seed, wanted.seed);
     replace(&mut quality.reuse, wanted.reuse);
-    replace(&mut quality.denoise, wanted.denoise.then_some(Denoise::Auto));
+    replace(&mut quality.denoise, wanted.denoise);
     let own = quality.integrator;
     replace(&mut quality.integrator, wanted.integrator.filter(|other| !own.same_kind(other)));
     if let Some(rate) = wanted.rate {
@@ -147,7 +148,7 @@ mod tests {
             integrator: Some(Integrator::Path(PathSettings::default())),
             seed: Some(7),
             reuse: Some(SampleReuse::Zoom),
-            denoise: true,
+            denoise: Some(Denoise::Auto),
             tonemap: Some(Tonemap::Filmic),
             exposure: Some(-0.5),
             transparent: true,

@@ -1,4 +1,4 @@
-//! The mean of two films, for frames that two cameras show together.
+//! The mean of two films: of frames that two cameras show together, and of separate samples of one frame.
 
 use super::{Film, Noise};
 use crate::base::color::Rgb;

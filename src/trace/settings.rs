@@ -16,7 +16,7 @@ pub struct TraceSettings {
     pub filter: FilterSampler,
     /// What films record besides light.
     pub aovs: AovSet,
-    /// The number of the first random sample of each pixel. The quality tells how many there are.
+    /// The index of the first random sample of each pixel in its sequence. `quality` has the number of samples.
     pub first_sample: u32,
 }
 

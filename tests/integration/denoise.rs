@@ -30,7 +30,7 @@ fn both(quality: &str) -> [Sequence; 2] {
     [plain, denoised]
 }
 
-/// The squared error falls by a quarter at least here, where half of the picture is glass, mirrors and a pattern, and
+/// The squared error falls by three tenths at least here, where half of the picture is glass, mirrors and a pattern, and
 /// nothing is larger than a few pixels.
 #[test]
 fn denoising_lowers_the_error() {
@@ -41,7 +41,7 @@ fn denoising_lowers_the_error() {
         errors.map(|error| error * error).sum()
     };
     let (before, after) = (square(&plain), square(&denoised));
-    assert!(after < 0.75 * before, "{before} {after}");
+    assert!(after < 0.7 * before, "{before} {after}");
 }
 
 /// The stated error holds for every frame that shares the film, whatever the brightness of its lights.

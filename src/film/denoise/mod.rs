@@ -42,7 +42,7 @@ pub struct SampleFilms<'a> {
 }
 
 impl SampleFilms<'_> {
-    /// The mean light of both audits.
+    /// The light of both audits.
     fn audit(&self, pixel: usize, layer: usize) -> [Rgb; 2] {
         self.audits.map(|film| film.pixel(pixel)[layer])
     }

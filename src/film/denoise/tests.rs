@@ -119,7 +119,7 @@ fn the_stated_error_is_true() {
         for seed in 0..RUNS {
             let films = noisy(2, noise, 100 + seed);
             let film = films.denoise();
-            let remaining = film.remaining.as_ref().expect("an error");
+            let remaining = film.remaining.as_ref().expect("denoised films have an error");
             let error = squared_error(&film, &weights);
             let off = remaining.square(&weights).0 - error;
             (sum, squares) = (sum + off, squares + off * off);
@@ -155,7 +155,7 @@ fn threads_and_guides_leave_no_trace() {
         (film.aovs, film.layers(), &*film.held),
         (AovSet::default(), 2, &[LayerId(0), LayerId(1)][..])
     );
-    assert_eq!(film.noise.expect("an error").samples, SAMPLES);
+    assert_eq!(film.noise.expect("denoised films have an error").samples, SAMPLES);
 }
 
 /// Pixels whose guides are useless, or whose light overflows, harm neither their neighbours nor the program.

@@ -7,7 +7,6 @@ use crate::sampling::hash;
 use crate::sequence::quality::Quality;
 use crate::trace::{MIN_SAMPLES, TraceSettings, Weightings};
 use std::ops::Range;
-use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 /// The films of a frame that is being traced: both halves of the picture's samples, and two audits. Without a target error,
@@ -71,7 +70,7 @@ impl SampleSets {
         if self.before == 0 { 0..PARTS.len() } else { LATER }
     }
 
-    /// Tells the meter which part of the round is traced now.
+    /// Sets the meter to the part of the round that is traced now.
     pub fn show(&self, meter: &ProgressMeter) {
         let parts = self.parts();
         meter.pass.store((self.part - parts.start) as u32, Relaxed);
@@ -90,7 +89,7 @@ impl SampleSets {
         match (self.films.get_mut(self.part), PARTS[self.part]) {
             (None, _) => self.films.push(film),
             (Some(before), Part::Half(_)) => *before = film,
-            (Some(before), Part::Audit(_)) => add_samples(before, &film),
+            (Some(before), Part::Audit(_)) => *before = before.mixed_with(&film, 0.5),
         }
         self.part += 1;
         if self.part < PARTS.len() {
@@ -119,10 +118,10 @@ impl SampleSets {
         Some(film)
     }
 
-    /// Begins a round that doubles the number of samples.
+    /// Begins a round that doubles the number of samples. Those of a film and those that it adds are equally many.
     fn start_round(&mut self) {
         if let [first, second, ..] = &mut self.films[..] {
-            add_samples(first, second);
+            *first = first.mixed_with(second, 0.5);
         }
         (self.before, self.picture, self.part) = (self.picture, 2 * self.picture, LATER.start);
     }
@@ -130,10 +129,3 @@ impl SampleSets {
 
 /// A word for seeds of audits: "audi" in ASCII.
 const SEED: u32 = 0x6175_6469;
-
-/// Makes a film the mean of its own samples and of as many others.
-fn add_samples(film: &mut Film, other: &Film) {
-    let others = Arc::clone(&other.data);
-    let pairs = film.data_mut().iter_mut().zip(others.iter());
-    pairs.for_each(|(value, other)| *value = (*value + *other) * 0.5);
-}

@@ -90,7 +90,9 @@ fn films_of_halves_make_the_film() {
         for ((first, second), all) in first.data.iter().zip(second.data.iter()).zip(all.data.iter()) {
             differ += u32::from(first != second);
             let off = ((*first + *second) * 0.5 - *all).abs().max_element();
-            assert!(off <= 1e-6 * all.abs().max_element(), "seed {seed}: {first} {second} {all}");
+            // Both halves are rounded, at most twice as bright as the mean, and their sum and the film of all are.
+            let most = 2.0 * f32::EPSILON * all.abs().max_element();
+            assert!(off <= most, "seed {seed}: {first} {second} {all}");
         }
     }
     assert!(differ > 10_000, "{differ}");
