@@ -14,7 +14,8 @@ const LEAST: f32 = 1e-3;
 pub const BYTES_PER_PIXEL: u64 = (size_of::<Measured>()
     + size_of::<([f32; CANDIDATES], f32)>()
     + size_of::<Surroundings>()
-    + size_of::<[f32; CANDIDATES]>()) as u64;
+    + size_of::<[f32; CANDIDATES]>()
+    + size_of::<f32>()) as u64;
 
 /// How many times the squared error of the samples a squared difference may be that is plain noise.
 const PLAIN: f32 = 16.0;
@@ -46,7 +47,10 @@ struct Surroundings {
 }
 
 /// The weights of the candidates at every pixel.
-pub struct Choice(Vec<[f32; CANDIDATES]>);
+pub struct Choice {
+    weights: Vec<[f32; CANDIDATES]>,
+    noise: Vec<f32>,
+}
 
 impl Choice {
     /// Weights by the inverse squares of mean squared errors. `measure` gives what is known of the candidates at a pixel.
@@ -78,12 +82,18 @@ impl Choice {
         let around: Vec<_> = (0..own.len()).into_par_iter().map(around).collect();
         let plain = own.iter().zip(&around).filter(|(_, around)| around.refused[1] == 0.0);
         let calibration = Calibration::new(plain.map(|(own, _)| own));
-        let weights = around.into_par_iter().map(|around| calibration.weights(&around));
-        Self(weights.collect())
+        let weights = around.par_iter().map(|around| calibration.weights(around)).collect();
+        let noise = around.par_iter().map(|around| around.errors[0]).collect();
+        Self { weights, noise }
     }
 
     pub fn weights(&self, pixel: usize) -> [f32; CANDIDATES] {
-        self.0[pixel]
+        self.weights[pixel]
+    }
+
+    /// The squared error of samples around a pixel, relative to its light.
+    pub fn noise(&self, pixel: usize) -> f32 {
+        self.noise[pixel]
     }
 }
 

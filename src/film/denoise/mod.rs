@@ -21,6 +21,7 @@ mod outliers;
 mod regression;
 #[cfg(test)]
 mod tests;
+mod trust;
 
 pub use error::RemainingError;
 
@@ -31,6 +32,7 @@ use candidates::Candidates;
 use choice::Choice;
 use rayon::prelude::*;
 use std::sync::Arc;
+use trust::{Change, Trust};
 
 /// Films of the same scene that make one denoised film.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +58,7 @@ pub fn samples_of_audit(picture: u32) -> u32 {
 /// Bytes per pixel that denoising takes besides the film, if it has so many layers of light.
 pub fn bytes_of_pixel(layers: u64) -> u64 {
     let films = (2 * (layers + GUIDES as u64) + 2 * layers) * size_of::<Rgb>() as u64;
-    films + candidates::bytes_of_pixel(layers) + choice::BYTES_PER_PIXEL
+    films + candidates::bytes_of_pixel(layers) + choice::BYTES_PER_PIXEL + trust::BYTES_PER_PIXEL
 }
 
 /// Denoises a picture. The film holds no guides. `samples` is the number of samples per pixel of all films.
@@ -89,12 +91,25 @@ fn filter(films: &SampleFilms) -> Vec<Rgb> {
         let choice = Choice::new(size, |pixel| candidates.measure(pixel, layer, films.audit(pixel, layer)));
         filtered.par_chunks_exact_mut(layers).enumerate().for_each(|(pixel, light)| {
             let [first, second] = candidates.at(pixel, layer);
-            let samples = (first[0] + second[0]) * 0.5;
             let means = first.into_iter().zip(second).map(|(first, second)| (first + second) * 0.5);
             let light_of_all: Rgb =
                 means.zip(choice.weights(pixel)).map(|(light, weight)| light * weight).sum();
-            light[layer] = if light_of_all.is_finite() { light_of_all } else { samples };
+            light[layer] =
+                if light_of_all.is_finite() { light_of_all } else { candidates.samples(pixel, layer) };
         });
+        let change = |(pixel, light): (usize, &[Rgb])| {
+            candidates.change(pixel, layer, light[layer], films.audit(pixel, layer), choice.noise(pixel))
+        };
+        let changes: Vec<Change> = filtered.par_chunks_exact(layers).enumerate().map(change).collect();
+        let trust = Trust::new(size.0, &changes);
+        filtered.par_chunks_exact_mut(layers).zip(&changes).enumerate().for_each(
+            |(pixel, (light, change))| {
+                let share = trust.samples(pixel, size.0, change);
+                if share > 0.0 {
+                    light[layer] += (candidates.samples(pixel, layer) - light[layer]) * share;
+                }
+            },
+        );
     }
     filtered
 }
