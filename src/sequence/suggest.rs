@@ -26,6 +26,33 @@ pub fn nearest<'n>(wrong: &str, candidates: impl IntoIterator<Item = &'n str>) -
         .map(|(.., name)| name)
 }
 
+/// What other programs call the things that have a name here. In each row, all words mean the same.
+const SYNONYMS: [&[&str]; 16] = [
+    &["translation", "position", "location", "translate", "pos"],
+    &["target", "look_at", "lookat", "aim"],
+    &["rotation", "rotate", "orientation"],
+    &["color", "colour", "albedo", "base_color", "pigment"],
+    &["emission", "emissive", "glow", "emit"],
+    &["intensity", "strength", "power", "energy", "brightness"],
+    &["ior", "refractive_index", "index_of_refraction", "eta"],
+    &["fov", "field_of_view"],
+    &["samples", "spp"],
+    &["fps", "frame_rate", "framerate"],
+    &["visible", "show", "enabled"],
+    &["box", "cube", "cuboid", "brick"],
+    &["dielectric", "glass"],
+    &["lambertian", "matte", "matt", "diffuse"],
+    &["directional", "sun", "distant"],
+    &["point", "omni", "bulb"],
+];
+
+/// The candidate that other programs call `wrong`.
+pub fn synonym<'n>(wrong: &str, candidates: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
+    let wrong = wrong.to_lowercase();
+    let row = SYNONYMS.iter().find(|row| row.contains(&wrong.as_str()))?;
+    candidates.into_iter().find(|name| row.contains(&name.to_lowercase().as_str()))
+}
+
 /// Edit distance of two names. A name that only has more letters in front or behind counts as near.
 fn distance(a: &str, b: &str) -> usize {
     let (short, long) = if a.len() < b.len() { (a, b) } else { (b, a) };
@@ -51,5 +78,13 @@ mod tests {
         assert_eq!(near("EaseInOutQuad"), Some("InOutQuad"));
         assert_eq!(near("torus"), None);
         assert_eq!(near(""), None);
+    }
+
+    #[test]
+    fn knows_what_others_call_it() {
+        let names = ["Box", "Sphere", "translation", "color"];
+        let meant = |wrong| synonym(wrong, names);
+        assert_eq!((meant("position"), meant("Cube")), (Some("translation"), Some("Box")));
+        assert_eq!((meant("ior"), meant("torus"), meant("")), (None, None, None));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::fault::Fault;
 use super::node::Node;
-use super::suggest::{either, listed, nearest, shortened};
+use super::suggest::{either, listed, nearest, shortened, synonym};
 
 /// Words, each with the decoder of the values that start with it.
 pub type Variants<'s, T> = [(&'static str, fn(Node<'s>) -> Option<T>)];
@@ -78,7 +78,8 @@ pub fn suggestion<'n>(
     // In files with this many faults, suggestions would take too long.
     let candidates = candidates.into_iter().take(if node.file.fault_count() < 1000 { usize::MAX } else { 0 });
     let candidates: Vec<_> = candidates.collect();
-    let meant = nearest(wrong, candidates.iter().map(|(written, _)| *written));
+    let written = || candidates.iter().map(|(written, _)| *written);
+    let meant = synonym(wrong, written()).or_else(|| nearest(wrong, written()));
     let name = candidates.iter().find(|(written, _)| Some(*written) == meant).map(|(_, name)| *name);
     name.map_or_else(|| "unknown".to_owned(), |name| format!("did you mean `{}`?", shortened(name)))
 }
