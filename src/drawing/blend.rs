@@ -28,18 +28,18 @@ impl Mark {
         let size = canvas.size();
         match self {
             Self::Fill { outlines, ink } => {
-                lay(canvas, &path::fill(outlines, size, scratch), ink.opacity, |_| ink.color);
+                lay(canvas, &path::fill(outlines, size, scratch), ink.opacity, |_, _| ink.color);
             }
             Self::Stroke { lines, width, ink } => {
-                lay(canvas, &path::stroke(lines, *width, size, scratch), ink.opacity, |_| ink.color);
+                lay(canvas, &path::stroke(lines, *width, size, scratch), ink.opacity, |_, _| ink.color);
             }
             Self::Text(text) => {
                 let line = text.placed();
                 if let Some(halo) = text.halo {
                     let border = line.border(halo.width as f32, size, scratch);
-                    lay(canvas, &border, halo.ink.opacity, |_| halo.ink.color);
+                    lay(canvas, &border, halo.ink.opacity, |_, _| halo.ink.color);
                 }
-                lay(canvas, &line.letters(size), text.ink.opacity, |_| text.ink.color);
+                lay(canvas, &line.letters(size), text.ink.opacity, |_, _| text.ink.color);
             }
             Self::Group { marks, opacity } => {
                 let mut layer = Layer::new(size);
@@ -50,42 +50,50 @@ impl Mark {
                 let (width, height) = ((*width).max(0) as usize, (*height).max(0) as usize);
                 let values = vec![1.0; width * height];
                 let covered = CoverageMask { left: *left, top: *top, width, height, values };
-                let step = |index: usize| {
-                    let (along, of) = match upwards {
-                        true => (height - 1 - index / width, height),
-                        false => (index % width, width),
-                    };
-                    // The colour at the middle of the pixel.
-                    let step = (2 * along + 1) * colors.len() / (2 * of);
-                    colors[step.min(colors.len() - 1)]
-                };
+                let of = if *upwards { height } else { width };
+                // The colours at the middle of the pixels.
+                let step =
+                    |along: usize| colors[((2 * along + 1) * colors.len() / (2 * of)).min(colors.len() - 1)];
                 if !colors.is_empty() {
-                    lay(canvas, &covered, *opacity, step);
+                    let steps: Vec<_> = (0..of).map(step).collect();
+                    let at = |x: usize, y: usize| if *upwards { steps[height - 1 - y] } else { steps[x] };
+                    lay(canvas, &covered, *opacity, at);
                 }
             }
             Self::Image { image, place, opacity } => {
                 let (covered, colors) = image.scaled(*place, size);
-                lay(canvas, &covered, *opacity, |index| colors[index]);
+                let width = covered.width;
+                lay(canvas, &covered, *opacity, |x, y| colors[y * width + x]);
             }
         }
     }
 }
 
-/// Lays ink where a mark covers pixels of the canvas. `color` gets the index of a pixel of the coverage.
-fn lay(canvas: &mut impl Canvas, covered: &CoverageMask, opacity: f64, color: impl Fn(usize) -> [f64; 3]) {
+/// Lays ink where a mark covers pixels of the canvas. `color` gets the place of a pixel in the coverage.
+fn lay(
+    canvas: &mut impl Canvas,
+    covered: &CoverageMask,
+    opacity: f64,
+    color: impl Fn(usize, usize) -> [f64; 3],
+) {
     let (width, height) = canvas.size();
     let within = |start: i64, length: usize, end: u32| {
         let first = (-start).clamp(0, length as i64) as usize;
         let last = (i64::from(end) - start).clamp(0, length as i64) as usize;
         first..last.max(first)
     };
+    let columns = within(covered.left, covered.width, width);
+    if columns.is_empty() {
+        return;
+    }
+    let left = (covered.left + columns.start as i64) as usize;
     for y in within(covered.top, covered.height, height) {
-        let row = (covered.top + y as i64) as usize * width as usize;
-        for x in within(covered.left, covered.width, width) {
-            let index = y * covered.width + x;
-            let coverage = f64::from(covered.values[index]) * opacity;
+        let first = (covered.top + y as i64) as usize * width as usize + left;
+        let start = y * covered.width + columns.start;
+        for (x, value) in covered.values[start..start + columns.len()].iter().enumerate() {
+            let coverage = f64::from(*value) * opacity;
             if coverage > 0.0 {
-                canvas.blend(row + (covered.left + x as i64) as usize, color(index), coverage);
+                canvas.blend(first + x, color(columns.start + x, y), coverage);
             }
         }
     }

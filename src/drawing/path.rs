@@ -43,8 +43,8 @@ pub fn stroke(lines: &[Line], width: f64, size: (u32, u32), scratch: &mut Scratc
     covered(&lines, false, 0.5 * width, size, style, scratch)
 }
 
-fn push(commands: &mut Vec<Command>, points: &[DVec2], closed: bool, shift: DVec2) {
-    let point = |point: &DVec2| Vector::new((point.x - shift.x) as f32, (point.y - shift.y) as f32);
+fn push(commands: &mut Vec<Command>, points: &[DVec2], closed: bool) {
+    let point = |point: &DVec2| Vector::new(point.x as f32, point.y as f32);
     let Some((first, rest)) = points.split_first() else { return };
     // A line that ends where it begins has a corner there.
     let returns = !closed && rest.len() > 1 && rest.last() == Some(first);
@@ -56,7 +56,7 @@ fn push(commands: &mut Vec<Command>, points: &[DVec2], closed: bool, shift: DVec
     }
 }
 
-/// Renders a path through points that reaches `border` pixels beyond them, where it lies within the picture.
+/// The coverage by a path through points that reaches `border` pixels beyond them, where it lies within the picture.
 fn covered<'s>(
     paths: &[Vec<DVec2>],
     closed: bool,
@@ -65,11 +65,35 @@ fn covered<'s>(
     style: impl Into<Style<'s>>,
     scratch: &mut Scratch,
 ) -> CoverageMask {
+    let mut commands = Vec::new();
+    paths.iter().for_each(|points| push(&mut commands, points, closed));
+    rendered(&commands, border, style, [width as usize, height as usize], scratch)
+}
+
+/// The coverage by a path that reaches `border` pixels beyond its points, where it lies within a width and height.
+pub(super) fn rendered<'s>(
+    commands: &[Command],
+    border: f64,
+    style: impl Into<Style<'s>>,
+    [width, height]: [usize; 2],
+    scratch: &mut Scratch,
+) -> CoverageMask {
     let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for point in paths.iter().flatten() {
-        (min, max) = (min.min(*point), max.max(*point));
+    let mut reach = |points: &[Vector]| {
+        for point in points {
+            let point = DVec2::new(point.x.into(), point.y.into());
+            (min, max) = (min.min(point), max.max(point));
+        }
+    };
+    for command in commands {
+        match command {
+            Command::MoveTo(a) | Command::LineTo(a) => reach(&[*a]),
+            Command::QuadTo(a, b) => reach(&[*a, *b]),
+            Command::CurveTo(a, b, c) => reach(&[*a, *b, *c]),
+            Command::Close => {}
+        }
     }
-    let end = DVec2::new(width.into(), height.into());
+    let end = DVec2::new(width as f64, height as f64);
     // One pixel more, for rounding.
     let min = (min - (border + 1.0)).floor().max(DVec2::ZERO);
     let max = (max + (border + 1.0)).ceil().min(end);
@@ -77,12 +101,11 @@ fn covered<'s>(
     if !(size.x >= 1.0 && size.y >= 1.0) {
         return CoverageMask::default();
     }
-    let mut commands = Vec::new();
-    paths.iter().for_each(|points| push(&mut commands, points, closed, min));
     let (width, height) = (size.x as usize, size.y as usize);
     let mut bytes = vec![0; width * height];
-    Mask::with_scratch(commands.as_slice(), scratch)
+    Mask::with_scratch(commands, scratch)
         .style(style)
+        .offset(Vector::new(-min.x as f32, -min.y as f32))
         .size(width as u32, height as u32)
         .render_into(&mut bytes, None);
     let values = bytes.iter().map(|byte| f32::from(*byte) / 255.0).collect();

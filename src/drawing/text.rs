@@ -2,10 +2,11 @@
 
 use super::coverage::CoverageMask;
 use super::font::Font;
+use super::path;
 use super::shaping::shaped;
 use crate::base::math::DVec2;
 use ab_glyph::{Font as _, FontVec, GlyphId, OutlineCurve, Point, PxScale, ScaleFont, point};
-use zeno::{Cap, Command, Join, Mask, Scratch, Stroke, Vector};
+use zeno::{Cap, Command, Join, Scratch, Stroke, Vector};
 
 /// The width of the longest line of a text in pixels, if letters are `size` pixels high.
 pub fn text_width(font: &Font, text: &str, size: f32) -> f32 {
@@ -158,21 +159,24 @@ impl<'f> PlacedLine<'f> {
             .map(|axis: usize| self.start[axis] + (self.corner[axis] - [mask.left, mask.top][axis]) as f32);
         let reach = 2.0 * self.size + radius;
         let seen = -reach..mask.width as f32 + reach;
+        let mut style = Stroke::new(2.0 * radius);
+        style.join(Join::Round).cap(Cap::Round);
         let mut commands = Vec::new();
+        // Letter by letter, because the time for a row of a mask grows with the square of the edges in it.
         for placed in &self.glyphs {
             let x = start[0] + placed.along;
             if seen.contains(&x) {
+                commands.clear();
                 outline(placed, [x, start[1] - placed.raised], &mut commands);
+                mask.join(&path::rendered(
+                    &commands,
+                    radius.into(),
+                    style,
+                    [mask.width, mask.height],
+                    scratch,
+                ));
             }
         }
-        let mut style = Stroke::new(2.0 * radius);
-        style.join(Join::Round).cap(Cap::Round);
-        let mut bytes = vec![0; mask.values.len()];
-        Mask::with_scratch(commands.as_slice(), scratch)
-            .style(style)
-            .size(mask.width as u32, mask.height as u32)
-            .render_into(&mut bytes, None);
-        mask.values = bytes.iter().map(|byte| f32::from(*byte) / 255.0).collect();
         mask
     }
 }

@@ -10,6 +10,7 @@ use super::{jpeg, png, ppm};
 use crate::base::digest::Digest;
 use crate::film::Film;
 use std::io;
+use tracing::debug_span;
 
 /// A picture with its annotations.
 pub struct DrawnPicture {
@@ -23,7 +24,7 @@ impl DrawnPicture {
     pub fn new(job: &EncodeJob, index: usize, mut picture: Picture) -> Self {
         let kept = job.is_annotated(index) && job.source().is_some();
         let clean = kept.then(|| picture.clone());
-        job.annotate(index, &mut picture);
+        debug_span!("annotate").in_scope(|| job.annotate(index, &mut picture));
         Self { picture, clean }
     }
 

@@ -9,33 +9,43 @@ pub trait Code: Copy + Default + PartialEq + Send + Sync + 'static {
     const WHITE: f64;
 
     /// The code nearest to a display value in 0..=1.
-    fn of(displayed: f64) -> Self;
+    fn of(displayed: f64) -> Self {
+        Self::rounded(displayed * Self::WHITE)
+    }
+
+    /// The code nearest to a number of codes, in 0..=WHITE.
+    fn rounded(codes: f64) -> Self;
+
+    /// The code as a number.
+    fn number(self) -> f64;
 
     /// The display value in 0..=1.
-    fn displayed(self) -> f64;
+    fn displayed(self) -> f64 {
+        self.number() / Self::WHITE
+    }
 }
 
 impl Code for u8 {
     const WHITE: f64 = 255.0;
 
-    fn of(displayed: f64) -> Self {
-        (displayed * Self::WHITE + 0.5) as Self
+    fn rounded(codes: f64) -> Self {
+        (codes + 0.5) as Self
     }
 
-    fn displayed(self) -> f64 {
-        f64::from(self) / Self::WHITE
+    fn number(self) -> f64 {
+        self.into()
     }
 }
 
 impl Code for u16 {
     const WHITE: f64 = 65535.0;
 
-    fn of(displayed: f64) -> Self {
-        (displayed * Self::WHITE + 0.5) as Self
+    fn rounded(codes: f64) -> Self {
+        (codes + 0.5) as Self
     }
 
-    fn displayed(self) -> f64 {
-        f64::from(self) / Self::WHITE
+    fn number(self) -> f64 {
+        self.into()
     }
 }
 
@@ -111,18 +121,25 @@ impl<C: Code> Canvas for Picture<C> {
         (self.width, self.height)
     }
 
+    #[inline]
     fn blend(&mut self, pixel: usize, color: [f64; 3], opacity: f64) {
-        let below = self.alpha.as_ref().map_or(1.0, |alpha| alpha[pixel].displayed());
+        let codes = &mut self.rgb[3 * pixel..3 * pixel + 3];
+        let Some(alpha) = &mut self.alpha else {
+            let below = 1.0 - opacity;
+            for (code, shown) in codes.iter_mut().zip(color) {
+                *code = C::rounded(opacity * C::WHITE * shown + below * code.number());
+            }
+            return;
+        };
+        let below = alpha[pixel].displayed();
         let whole = opacity + below * (1.0 - opacity);
         if opacity == 0.0 || whole == 0.0 {
             return;
         }
-        for (code, shown) in self.rgb[3 * pixel..3 * pixel + 3].iter_mut().zip(color) {
+        for (code, shown) in codes.iter_mut().zip(color) {
             *code = C::of((opacity * shown + below * (1.0 - opacity) * code.displayed()) / whole);
         }
-        if let Some(alpha) = &mut self.alpha {
-            alpha[pixel] = C::of(whole);
-        }
+        alpha[pixel] = C::of(whole);
     }
 }
 

@@ -23,18 +23,20 @@ const SIGNATURE: usize = 8;
 /// The content of the chunk: where `annotated` differs from `clean`, which has this identity.
 pub fn underlay(clean: &Picture, annotated: &Picture, identity: Digest) -> io::Result<Vec<u8>> {
     let runs = differences(clean, annotated);
-    let mut encoder = ZlibEncoder::new(identity.0.to_be_bytes().to_vec(), Compression::fast());
-    encoder.write_all(&(runs.len() as u32).to_be_bytes())?;
-    for [start, length] in &runs {
-        encoder.write_all(&(*start as u32).to_be_bytes())?;
-        encoder.write_all(&(*length as u32).to_be_bytes())?;
+    let mut content = Vec::new();
+    content.extend((runs.len() as u32).to_be_bytes());
+    for number in runs.as_flattened() {
+        content.extend((*number as u32).to_be_bytes());
     }
     for [start, length] in runs {
-        encoder.write_all(&clean.rgb[3 * start..3 * (start + length)])?;
+        content.extend(&clean.rgb[3 * start..3 * (start + length)]);
         if let Some(alpha) = &clean.alpha {
-            encoder.write_all(&alpha[start..start + length])?;
+            content.extend(&alpha[start..start + length]);
         }
     }
+    // As a whole, because each write clears the buffer of the encoder.
+    let mut encoder = ZlibEncoder::new(identity.0.to_be_bytes().to_vec(), Compression::fast());
+    encoder.write_all(&content)?;
     encoder.finish()
 }
 
