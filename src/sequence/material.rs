@@ -74,6 +74,7 @@ fn lobes(node: Node<'_>) -> Option<MaterialDescription> {
     let fresnel = fields.optional("fresnel", fresnel);
     let (ior, absorption, priority) = medium(&mut fields);
     let relief = relief(&mut fields);
+    let coated = coat(&mut fields, &MaterialDescription::default());
     fields.finish();
     Some(MaterialDescription {
         relief: relief?,
@@ -92,7 +93,7 @@ fn lobes(node: Node<'_>) -> Option<MaterialDescription> {
         ior: ior?,
         absorption: absorption?,
         priority: priority?,
-        ..MaterialDescription::default()
+        ..coated?
     })
 }
 
@@ -127,6 +128,14 @@ fn level(node: Node<'_>) -> Option<ScalarTextureTracks> {
         return None;
     }
     paint(node).map(ScalarTextureTracks::Textured)
+}
+
+/// Decodes `coat` and `coat_roughness`.
+fn coat(fields: &mut Fields<'_>, otherwise: &MaterialDescription) -> Option<MaterialDescription> {
+    let coat = fields.optional("coat", level);
+    let coat_roughness = fields.optional("coat_roughness", level);
+    let otherwise = otherwise.clone();
+    Some(MaterialDescription { coat: coat?.or(otherwise.coat), coat_roughness: coat_roughness?, ..otherwise })
 }
 
 fn fresnel(node: Node<'_>) -> Option<Fresnel> {
@@ -182,12 +191,13 @@ fn lambertian(node: Node<'_>) -> Option<MaterialDescription> {
     let mut fields = Fields::of(node, "`Lambertian`")?;
     let color = fields.or("color", paint, Rgb::splat(0.5));
     let relief = relief(&mut fields);
+    let coated = coat(&mut fields, &MaterialDescription::bare());
     fields.finish();
     Some(MaterialDescription {
         relief: relief?,
         color: Some(color?),
         diffuse: LobeDescription::of_strength(1.0),
-        ..MaterialDescription::bare()
+        ..coated?
     })
 }
 
@@ -197,15 +207,10 @@ fn metal(node: Node<'_>) -> Option<MaterialDescription> {
     let color = fields.or("color", paint, Rgb::splat(0.8));
     let fuzz = fields.or("fuzz", level, ScalarTextureTracks::Constant(0.0.into()));
     let relief = relief(&mut fields);
+    let coated = coat(&mut fields, &MaterialDescription::bare());
     fields.finish();
     let mirror = LobeDescription { strength: Some(1.0.into()), tint: color.clone() };
-    Some(MaterialDescription {
-        relief: relief?,
-        color: Some(color?),
-        mirror,
-        fuzz: Some(fuzz?),
-        ..MaterialDescription::bare()
-    })
+    Some(MaterialDescription { relief: relief?, color: Some(color?), mirror, fuzz: Some(fuzz?), ..coated? })
 }
 
 /// Glass, water, diamond.
@@ -241,6 +246,7 @@ fn metallic_roughness(node: Node<'_>) -> Option<MaterialDescription> {
     let emission = lobe(&mut fields, "emission", "emission_color");
     let ior = fields.optional("ior", keyed(positive));
     let relief = relief(&mut fields);
+    let coated = coat(&mut fields, &MaterialDescription::bare());
     fields.finish();
     let (ambient, emission) = (ambient?, emission?);
     let dark =
@@ -254,7 +260,7 @@ fn metallic_roughness(node: Node<'_>) -> Option<MaterialDescription> {
         ambient: dark(ambient),
         emission: dark(emission),
         ior: ior?,
-        ..MaterialDescription::bare()
+        ..coated?
     })
 }
 

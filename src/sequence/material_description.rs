@@ -25,6 +25,8 @@ pub struct MaterialDescription {
     pub microfacet: Option<Animated<f64>>,
     pub metallic: Option<ScalarTextureTracks>,
     pub roughness: Option<ScalarTextureTracks>,
+    pub coat: Option<ScalarTextureTracks>,
+    pub coat_roughness: Option<ScalarTextureTracks>,
     pub shininess: Option<Animated<f64>>,
     pub highlight: Option<Highlight>,
     pub fresnel: Option<Fresnel>,
@@ -61,6 +63,7 @@ impl MaterialDescription {
             transparency: none.clone(),
             refraction: none,
             microfacet: Some(0.0.into()),
+            coat: Some(ScalarTextureTracks::Constant(0.0.into())),
             ..Self::default()
         }
     }
@@ -100,6 +103,8 @@ impl MaterialDescription {
             microfacet: value(|given| &given.microfacet, 0.0),
             metallic: level(|given| &given.metallic, 0.0),
             roughness: level(|given| &given.roughness, 0.0),
+            coat: level(|given| &given.coat, 0.0),
+            coat_roughness: level(|given| &given.coat_roughness, 0.0),
             shininess: value(|given| &given.shininess, 32.0),
             highlight: self.highlight.or(default.highlight).unwrap_or_default(),
             fresnel: self.fresnel.or(default.fresnel).unwrap_or_default(),

@@ -249,7 +249,7 @@ impl UsedMaterials {
 
     /// Whether a used material reflects or transmits light in several ways.
     fn branch(&self) -> bool {
-        let ways = [LobeSet::MICROFACET, LobeSet::MIRROR, LobeSet::TRANSPARENT];
+        let ways = [LobeSet::MICROFACET, LobeSet::COAT, LobeSet::MIRROR, LobeSet::TRANSPARENT];
         let branches = |set: &LobeSet| {
             set.has(LobeSet::REFRACTION) || ways.iter().filter(|way| set.has(**way)).count() > 1
         };

@@ -27,19 +27,23 @@ impl LobeSet {
     const SCHLICK: Self = Self(1 << 12);
     /// Textures turn the normals.
     pub const RELIEF: Self = Self(1 << 13);
+    /// A clear coat over all other lobes.
+    pub const COAT: Self = Self(1 << 14);
+    /// Boundaries of microfacets, which may be sharp mirrors.
+    pub const BOUNDARIES: Self = Self(Self::MICROFACET.0 | Self::COAT.0);
 
     pub const ALL: Self = Self(u16::MAX);
     /// Lobes that reflect light from light sources.
     pub const REFLECTS_LIGHTS: Self =
-        Self(Self::DIFFUSE.0 | Self::PHONG.0 | Self::BLINN_PHONG.0 | Self::FUZZ.0 | Self::MICROFACET.0);
+        Self(Self::DIFFUSE.0 | Self::PHONG.0 | Self::BLINN_PHONG.0 | Self::FUZZ.0 | Self::BOUNDARIES.0);
     /// Lobes that are sampled with a density.
-    pub const SAMPLED: Self = Self(Self::DIFFUSE.0 | Self::FUZZ.0 | Self::MICROFACET.0);
+    pub const SAMPLED: Self = Self(Self::DIFFUSE.0 | Self::FUZZ.0 | Self::BOUNDARIES.0);
     /// Lobes that transmit light.
     pub const PASSES: Self = Self(Self::TRANSPARENT.0 | Self::REFRACTION.0);
 
     pub fn of(material: &Material) -> Self {
         let Lobes { emission, ambient, diffuse, specular, mirror, .. } = &material.lobes;
-        let Lobes { refraction, microfacet, .. } = &material.lobes;
+        let Lobes { refraction, microfacet, coat, .. } = &material.lobes;
         let highlight = match material.highlight {
             Highlight::Phong => Self::PHONG,
             Highlight::BlinnPhong => Self::BLINN_PHONG,
@@ -56,6 +60,7 @@ impl LobeSet {
             (*mirror != Rgb::ZERO, Self::MIRROR),
             (material.lobes.is_fuzzy() && *mirror != Rgb::ZERO, Self::FUZZ),
             (*microfacet > 0.0, Self::MICROFACET),
+            (coat.share > 0.0, Self::COAT),
             (material.is_transparent(), Self::TRANSPARENT),
             (refracts, Self::REFRACTION),
             (refracts, fresnel),
@@ -78,7 +83,7 @@ impl LobeSet {
     /// Whether this is its only lobe that continues paths.
     #[inline(always)]
     pub fn is_only(self, one: Self) -> bool {
-        let scatters = Self::DIFFUSE | Self::MIRROR | Self::FUZZ | Self::MICROFACET | Self::PASSES;
+        let scatters = Self::DIFFUSE | Self::MIRROR | Self::FUZZ | Self::BOUNDARIES | Self::PASSES;
         self.0 & scatters.0 == one.0
     }
 
@@ -120,9 +125,11 @@ impl Column {
     pub const MICROFACET: Self = Self(25);
     pub const METALLIC: Self = Self(26);
     pub const ROUGHNESS: Self = Self(27);
+    pub const COAT: Self = Self(28);
+    pub const COAT_ROUGHNESS: Self = Self(29);
 }
 
-const COLUMNS: usize = 28;
+const COLUMNS: usize = 30;
 
 /// The lobes of all materials, or those of the points in lanes if textures vary them.
 #[derive(Clone, Debug, Default)]
@@ -166,6 +173,8 @@ impl LobeTable {
             (LobeSet::MICROFACET, Column::MICROFACET, lobes.microfacet),
             (LobeSet::MICROFACET, Column::METALLIC, lobes.metallic),
             (LobeSet::MICROFACET, Column::ROUGHNESS, lobes.roughness),
+            (LobeSet::COAT, Column::COAT, lobes.coat.share),
+            (LobeSet::COAT, Column::COAT_ROUGHNESS, lobes.coat.roughness),
         ];
         for (lobe, Column(column), number) in numbers {
             if wanted.has(lobe) {

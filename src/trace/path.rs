@@ -96,7 +96,7 @@ impl<F: Real> PathShader<'_, F> {
     /// better by their own directions, so both techniques are combined.
     #[inline(always)]
     fn samples_all_light(&self) -> bool {
-        !self.at.lobes.has(LobeSet::FUZZ | LobeSet::MICROFACET)
+        !self.at.lobes.has(LobeSet::FUZZ | LobeSet::BOUNDARIES)
     }
 
     /// Samples light and appends shadow rays towards it.
@@ -143,7 +143,7 @@ impl<F: Real> PathShader<'_, F> {
         let ShadingContext { lobes, is_final, .. } = self.at;
         let context = wave.context;
         let lobes = *lobes;
-        let directed = lobes.has(LobeSet::MIRROR | LobeSet::MICROFACET | LobeSet::REFRACTION);
+        let directed = lobes.has(LobeSet::MIRROR | LobeSet::BOUNDARIES | LobeSet::REFRACTION);
         let final_rays = context.unsampled_light || (context.emits && directed);
         let bounces = visible & !*is_final;
         let bounces = if final_rays { bounces } else { bounces & !last };
@@ -206,7 +206,7 @@ impl<F: Real> PathShader<'_, F> {
         if lobes.has(LobeSet::REFRACTION) {
             ray = Spawn::select(sample.is_refracted, spawn(at, sample.direction), ray);
         }
-        if lobes.has(LobeSet::MIRROR | LobeSet::MICROFACET | LobeSet::REFRACTION) {
+        if lobes.has(LobeSet::MIRROR | LobeSet::BOUNDARIES | LobeSet::REFRACTION) {
             ray = Spawn::select(sample.is_mirrored, spawn_reflected(at, sample.direction), ray);
         }
         let one_less = path.bounces_left.wrapping_add(F::U32::splat(u32::MAX));
@@ -277,7 +277,7 @@ impl<F: Real> PathShader<'_, F> {
     fn count(&self, wave: &mut WaveState, sample: &BsdfSample<F>, continues: F::Mask) {
         let (rays, lobes) = (&mut wave.counts.rays, self.at.lobes);
         rays.scattered += u64::from((continues & sample.is_scattered).bits().count_ones());
-        if lobes.has(LobeSet::MIRROR | LobeSet::MICROFACET | LobeSet::REFRACTION) {
+        if lobes.has(LobeSet::MIRROR | LobeSet::BOUNDARIES | LobeSet::REFRACTION) {
             rays.mirror += u64::from((continues & sample.is_mirrored).bits().count_ones());
         }
         if lobes.has(LobeSet::PASSES) {

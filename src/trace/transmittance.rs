@@ -3,6 +3,7 @@
 //! A shadow ray keeps its origin and meets surfaces in their order along the ray. So it meets none twice, and several
 //! surfaces in one place all count.
 
+use super::bsdf::passed_by_coat;
 use super::coincident::{Events, NO_EVENT};
 use super::context::{Queue, TraceContext};
 use super::interaction::SurfaceInteraction;
@@ -219,11 +220,18 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
         let direction = ray.direction.normalize();
         if lobes.has(LobeSet::TEXTURED) {
             let room = (&mut *self.rows, &mut self.counts.evaluations);
-            textures::look_up(context, LobeSet::PASSES, &surface, direction, (open, none), room);
+            let wanted = LobeSet::PASSES | LobeSet::COAT;
+            textures::look_up(context, wanted, &surface, direction, (open, none), room);
         }
         let rows = LobeRows::new::<L::F64>(lobes, material);
         let table = if lobes.has(LobeSet::TEXTURED) { &*self.rows } else { &context.table };
-        let transparency: Color<L::F32> = table.color(Column::TRANSPARENCY, rows.at());
+        let mut transparency: Color<L::F32> = table.color(Column::TRANSPARENCY, rows.at());
+        let mut passed = L::F32::splat(1.0);
+        if lobes.has(LobeSet::COAT) {
+            let cosine = direction.dot(surface.surface.normal).abs();
+            passed = passed_by_coat::<L::F64>(table.number(Column::COAT, rows.at()), cosine);
+            transparency = transparency * passed;
+        }
         let refracts = L::Mask::from_bits(refracts);
         if !refracts.any() {
             return left.dim(open, transparency, transparency);
@@ -236,7 +244,7 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
             let normal = surface.surface.normal;
             let reflected = self.reflected(&interface, direction, normal, material);
             let refraction: Color<L::F32> = table.color(Column::REFRACTION, rows.at());
-            let passes = refraction * (L::F32::splat(1.0) - reflected.to_f32());
+            let passes = refraction * (passed * (L::F32::splat(1.0) - reflected.to_f32()));
             all = Color::select(refracts, transparency + passes, transparency);
         }
         left.dim(open & !interface.is_hidden, all, transparency);

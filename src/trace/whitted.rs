@@ -2,7 +2,7 @@
 //! reflected and transmitted rays (Whitted, *An Improved Illumination Model for Shaded Display*, 1980). Paths branch.
 //! Only samples of a lens, an area light, a rough surface or motion are random.
 
-use super::bsdf::Bsdf;
+use super::bsdf::{Bsdf, GlossySample};
 use super::light::LightRequest;
 use super::materials::LobeSet;
 use super::shade::{ShadingContext, WaveState};
@@ -38,6 +38,7 @@ mod branch {
     pub const TRANSPARENT: u32 = 3;
     pub const REFRACTED: u32 = 4;
     pub const REFLECTED: u32 = 5;
+    pub const COAT: u32 = 6;
 }
 
 /// A branch of a path.
@@ -80,7 +81,12 @@ impl<F: Real> WhittedShader<'_, F> {
         let last = path.bounces_left.eq(F::U32::splat(1));
         let bounces = if wave.context.emits { open } else { open & !last };
         if lobes.has(LobeSet::MICROFACET) && bounces.any() {
-            self.rough(wave, &bsdf, bounces);
+            let [u, v] = self.at.numbers(dimension::GLOSSY, 0);
+            self.rough(wave, &bsdf, bounces, (branch::ROUGH, bsdf.glossy_sample(u, v)));
+        }
+        if lobes.has(LobeSet::COAT) && bounces.any() {
+            let [u, v] = self.at.numbers(dimension::GLOSSY, 1);
+            self.rough(wave, &bsdf, bounces, (branch::COAT, bsdf.coat_sample(u, v)));
         }
         if lobes.has(LobeSet::MIRROR) && bounces.any() {
             self.mirror(wave, &bsdf, bounces);
@@ -120,17 +126,21 @@ impl<F: Real> WhittedShader<'_, F> {
         wave.shadows[light_index].push(light.is_lit & whole.is_lit(), &item);
     }
 
-    /// The reflection of a metallic-roughness surface at one of its microfacets.
+    /// The reflection of a metallic-roughness surface, or of a coat, at one of its microfacets.
     #[inline(always)]
-    fn rough(&self, wave: &mut WaveState, bsdf: &Bsdf<F>, bounces: F::Mask) {
-        let [u, v] = self.at.numbers(dimension::GLOSSY, 0);
-        let reflection = bsdf.glossy_sample(u, v);
+    fn rough(
+        &self,
+        wave: &mut WaveState,
+        bsdf: &Bsdf<F>,
+        bounces: F::Mask,
+        (number, reflection): (u32, GlossySample<F>),
+    ) {
         let sharp = reflection.is_smooth;
         let mirrored = spawn_reflected(bsdf.surface, bsdf.mirrored());
         let scattered = spawn_scattered(bsdf.surface, reflection.direction);
         let ray = Spawn::select(sharp, mirrored, scattered);
         let mask = bounces & (sharp | reflection.is_drawn);
-        self.reflect(wave, branch::ROUGH, ray, reflection.share, (mask, sharp));
+        self.reflect(wave, number, ray, reflection.share, (mask, sharp));
     }
 
     #[inline(always)]

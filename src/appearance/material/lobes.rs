@@ -1,7 +1,7 @@
 //! The lobes of a material at one point, as numbers.
 
 use crate::base::color::Rgb;
-use crate::base::digest::Content;
+use crate::base::digest::{Content, Digester};
 
 /// Mirrors with less fuzz count as sharp. Their reflections spread over less than a tenth of a degree.
 pub const MIN_FUZZ: f32 = 0.0008;
@@ -34,6 +34,27 @@ pub struct Lobes {
     pub metallic: f32,
     /// How rough that surface is.
     pub roughness: f32,
+    /// The clear coat over all other lobes.
+    pub coat: Coat,
+}
+
+/// A clear coat, both numbers in 0..=1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[warn(missing_docs)]
+pub struct Coat {
+    /// How much of the surface it covers.
+    pub share: f32,
+    /// How rough it is.
+    pub roughness: f32,
+}
+
+/// Lobes without a coat have the digest that they had before there was any.
+impl Content for Coat {
+    fn feed(&self, into: &mut Digester) {
+        if self.share != 0.0 {
+            (self.share, self.roughness).feed(into);
+        }
+    }
 }
 
 /// A lobe, or a parameter of one, that textures may vary over a surface.
@@ -56,6 +77,9 @@ pub enum TextureSlot {
     Height,
     /// Normals in the axes of u and v.
     Normal,
+    /// The share of the clear coat.
+    Coat,
+    CoatRoughness,
 }
 
 impl TextureSlot {
@@ -82,6 +106,8 @@ impl Lobes {
             TextureSlot::Base => self.base *= color,
             TextureSlot::Metallic => self.metallic = (self.metallic * grey).min(1.0),
             TextureSlot::Roughness => self.roughness = (self.roughness * grey).min(1.0),
+            TextureSlot::Coat => self.coat.share = (self.coat.share * grey).min(1.0),
+            TextureSlot::CoatRoughness => self.coat.roughness = (self.coat.roughness * grey).min(1.0),
             // Coverage scales all lobes: see [`Lobes::with_coverage`].
             TextureSlot::Coverage => {}
             // Relief turns normals.
@@ -100,6 +126,7 @@ impl Lobes {
             transparency: self.transparency * share + (1.0 - share),
             refraction: self.refraction * share,
             microfacet: self.microfacet * share,
+            coat: Coat { share: self.coat.share * share, ..self.coat },
             ..self
         }
     }
@@ -111,6 +138,7 @@ impl Lobes {
 
     /// Whether a scattering lobe reflects light from light sources.
     pub fn reflects_lights(&self) -> bool {
-        self.diffuse != Rgb::ZERO || self.specular != Rgb::ZERO || self.microfacet > 0.0 || self.is_fuzzy()
+        let scatters = self.diffuse != Rgb::ZERO || self.specular != Rgb::ZERO || self.is_fuzzy();
+        scatters || self.microfacet > 0.0 || self.coat.share > 0.0
     }
 }

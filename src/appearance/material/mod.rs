@@ -5,7 +5,7 @@ mod lobes;
 mod tracks;
 
 pub use exponent::{Exponent, Highlight};
-pub use lobes::{Lobes, MIN_FUZZ, TextureSlot};
+pub use lobes::{Coat, Lobes, MIN_FUZZ, TextureSlot};
 pub use tracks::{LobeTracks, MaterialTracks, ReliefTracks, ScalarTextureTracks};
 
 use crate::appearance::optics::Fresnel;
@@ -195,7 +195,8 @@ impl Material {
     pub fn is_rough(&self) -> bool {
         let lobes = &self.lobes;
         let fuzzy = lobes.fuzz > 0.0 && lobes.mirror != Rgb::ZERO;
-        fuzzy || (lobes.microfacet > 0.0 && lobes.roughness > 0.0)
+        let rough = lobes.microfacet > 0.0 && lobes.roughness > 0.0;
+        fuzzy || rough || (lobes.coat.share > 0.0 && lobes.coat.roughness > 0.0)
     }
 }
 

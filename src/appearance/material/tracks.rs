@@ -1,6 +1,6 @@
 //! Materials over time.
 
-use super::{Exponent, Highlight, Lobes, Material, Medium, TextureSlot};
+use super::{Coat, Exponent, Highlight, Lobes, Material, Medium, TextureSlot};
 use crate::appearance::light_groups::GroupWeight;
 use crate::appearance::optics::Fresnel;
 use crate::appearance::texture::relief::ReliefStrength;
@@ -56,6 +56,8 @@ pub struct MaterialTracks {
     pub base: TextureTracks,
     pub metallic: ScalarTextureTracks,
     pub roughness: ScalarTextureTracks,
+    pub coat: ScalarTextureTracks,
+    pub coat_roughness: ScalarTextureTracks,
     pub highlight: Highlight,
     pub shininess: Animated<f64>,
     pub fresnel: Fresnel,
@@ -122,6 +124,8 @@ impl MaterialTracks {
         lobes.fuzz = textures.level(TextureSlot::Fuzz, &self.fuzz, time);
         lobes.metallic = textures.level(TextureSlot::Metallic, &self.metallic, time);
         lobes.roughness = textures.level(TextureSlot::Roughness, &self.roughness, time);
+        lobes.coat.share = textures.level(TextureSlot::Coat, &self.coat, time);
+        lobes.coat.roughness = textures.level(TextureSlot::CoatRoughness, &self.coat_roughness, time);
         textures.0.retain_mut(|(slots, _)| {
             slots.retain(|slot| !is_absent(*slot, &lobes));
             !slots.is_empty()
@@ -132,6 +136,7 @@ impl MaterialTracks {
         if lobes.microfacet == 0.0 {
             (lobes.base, lobes.metallic, lobes.roughness) = (Rgb::ZERO, 0.0, 0.0);
         }
+        lobes.coat = if lobes.coat.share == 0.0 { Coat::default() } else { lobes.coat };
         let relief = self.relief.as_ref().map_or(ReliefStrength(0.0), |relief| textures.relief(relief, time));
         Material {
             lobes,
@@ -161,6 +166,8 @@ impl MaterialTracks {
             base,
             metallic,
             roughness,
+            coat,
+            coat_roughness,
             highlight: _,
             shininess,
             fresnel: _,
@@ -170,7 +177,7 @@ impl MaterialTracks {
             relief,
         } = self;
         let lobes = [emission, ambient, diffuse, specular, mirror, transparency, refraction];
-        let scalars = [fuzz, metallic, roughness];
+        let scalars = [fuzz, metallic, roughness, coat, coat_roughness];
         let numbers = [microfacet, shininess, ior];
         lobes.into_iter().any(LobeTracks::is_keyed)
             || scalars.into_iter().any(ScalarTextureTracks::is_keyed)
@@ -187,7 +194,8 @@ impl MaterialTracks {
         lobes.into_iter().for_each(|lobe| lobe.tint.each_data(visit));
         self.base.each_data(visit);
         self.relief.iter_mut().for_each(|relief| relief.texture_mut().each_data(visit));
-        for level in [&mut self.fuzz, &mut self.metallic, &mut self.roughness] {
+        let levels = [&mut self.fuzz, &mut self.metallic, &mut self.roughness];
+        for level in levels.into_iter().chain([&mut self.coat, &mut self.coat_roughness]) {
             if let ScalarTextureTracks::Textured(texture) = level {
                 texture.each_data(visit);
             }
@@ -229,6 +237,7 @@ fn is_absent(slot: TextureSlot, lobes: &Lobes) -> bool {
         TextureSlot::Transparency => lobes.transparency == Rgb::ZERO,
         TextureSlot::Refraction => lobes.refraction == Rgb::ZERO,
         TextureSlot::Base | TextureSlot::Metallic | TextureSlot::Roughness => lobes.microfacet == 0.0,
+        TextureSlot::Coat | TextureSlot::CoatRoughness => lobes.coat.share == 0.0,
         TextureSlot::Coverage | TextureSlot::Height | TextureSlot::Normal => false,
     }
 }

@@ -8,7 +8,7 @@ use super::keys::Keys;
 use crate::appearance::light::LightTracks;
 use crate::appearance::light_groups::GroupWeight;
 use crate::appearance::material::{
-    Exponent, Lobes, Material, MaterialTracks, ReliefTracks, ScalarTextureTracks,
+    Coat, Exponent, Lobes, Material, MaterialTracks, ReliefTracks, ScalarTextureTracks,
 };
 use crate::appearance::texture::{ColorChannel, TextureTracks};
 use crate::base::color::Rgb;
@@ -99,6 +99,7 @@ impl Exporter<'_> {
             extensions.insert(self.document.uses("KHR_materials_unlit").into(), json!({}));
         } else {
             self.reflection(&mut extensions, &surface, &material);
+            self.coat(&mut extensions, tracks, &material);
             if !dark {
                 self.emission(&mut entry, &mut extensions, tracks, shine.peak(&self.sequence.timeline));
             }
@@ -111,6 +112,25 @@ impl Exporter<'_> {
             self.animate_emission(&shine, index);
         }
         index
+    }
+
+    /// The extension of a clear coat.
+    fn coat(
+        &mut self,
+        to: &mut serde_json::Map<String, Value>,
+        tracks: &MaterialTracks,
+        material: &Material,
+    ) {
+        let Coat { share, roughness } = material.lobes.coat;
+        if share == 0.0 {
+            return;
+        }
+        let levels = [&tracks.coat, &tracks.coat_roughness];
+        if levels.iter().any(|level| matches!(level, ScalarTextureTracks::Textured(_))) {
+            self.left_out.note_of("the textures of the coat", "material");
+        }
+        let entry = json!({ "clearcoatFactor": share, "clearcoatRoughnessFactor": roughness });
+        to.insert(self.document.uses("KHR_materials_clearcoat").into(), entry);
     }
 
     /// The extensions of the boundary and of the inside.
@@ -255,6 +275,7 @@ impl Exporter<'_> {
             is_solid: false,
         };
         let scatters = lobes.microfacet > 0.0
+            || lobes.coat.share > 0.0
             || [lobes.diffuse, lobes.specular, lobes.mirror, lobes.transparency, lobes.refraction]
                 .iter()
                 .any(|lobe| *lobe != Rgb::ZERO);

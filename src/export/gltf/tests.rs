@@ -161,7 +161,7 @@ fn switches_and_colours_of_lights_are_keyed() {
 #[test]
 fn metallic_roughness_materials_come_back() {
     let text = r##"(materials: {
-        "gold": MetallicRoughness(color: (1, 0.75, 0.25), metallic: 1, roughness: 0.25),
+        "gold": MetallicRoughness(color: (1, 0.75, 0.25), metallic: 1, roughness: 0.25, coat: 0.5, coat_roughness: 0.125),
         "lamp": (color: (0, 0, 0), diffuse: 0, ambient: 0, emission: 5, emission_color: (1, 0.5, 0)),
         "glass": (color: (1, 1, 1), diffuse: 0, refraction: 1, ior: 1.25, absorption: (0, 0.5, 1)),
         "matt": (color: (0.5, 0.25, 0), diffuse: 1),
@@ -178,6 +178,7 @@ fn metallic_roughness_materials_come_back() {
     let (gold, read) = (lobes(&given, 0).0, lobes(&again, 0).0);
     assert_eq!((read.metallic, read.roughness, read.microfacet), (gold.metallic, gold.roughness, 1.0));
     assert!(close(read.base, gold.base));
+    assert_eq!((read.coat.share, read.coat.roughness), (0.5, 0.125));
     assert!(close(lobes(&again, 1).0.emission, crate::base::color::Rgb::new(5.0, 2.5, 0.0)));
     let (glass, medium) = lobes(&again, 2);
     assert_eq!((medium.ior, glass.refraction), (1.25, crate::base::color::Rgb::ONE));

@@ -9,10 +9,11 @@ use crate::geometry::mesh::MeshError;
 use std::collections::BTreeMap;
 
 /// The extensions that the reader follows.
-const FOLLOWED: [&str; 13] = [
+const FOLLOWED: [&str; 14] = [
     "EXT_mesh_gpu_instancing",
     "KHR_animation_pointer",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_transmission",

@@ -24,6 +24,8 @@ pub struct GltfMaterial {
     /// A map of normals, and the factor of their components along the surface.
     pub normal_texture: Option<(GltfTexture, f64)>,
     pub alpha: AlphaMode,
+    /// A clear coat over everything else.
+    pub coat: Coat,
     /// It shows its base colour, whatever the light.
     pub unlit: bool,
     pub ior: f64,
@@ -33,6 +35,16 @@ pub struct GltfMaterial {
     pub volume: Option<Volume>,
     /// Whether vertex colours multiply its base colour: whether any mesh that uses it has some.
     pub vertex_colors: bool,
+}
+
+/// A clear coat: how much of the surface it covers and its roughness, each with an image. Its red channel multiplies
+/// the first, and the green channel of the other one the second.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Coat {
+    pub share: f64,
+    pub share_texture: Option<GltfTexture>,
+    pub roughness: f64,
+    pub roughness_texture: Option<GltfTexture>,
 }
 
 /// What alpha means.
@@ -67,6 +79,7 @@ impl Default for GltfMaterial {
             emissive_texture: None,
             normal_texture: None,
             alpha: AlphaMode::Opaque,
+            coat: Coat::default(),
             unlit: false,
             ior: 1.5,
             transmission: 0.0,
@@ -81,7 +94,8 @@ impl GltfMaterial {
     pub fn textures(&self) -> impl Iterator<Item = &GltfTexture> {
         let normal = self.normal_texture.as_ref().map(|(texture, _)| texture);
         let all = [&self.base_texture, &self.metallic_roughness_texture, &self.emissive_texture];
-        all.into_iter().flatten().chain(normal)
+        let coat = [&self.coat.share_texture, &self.coat.roughness_texture];
+        all.into_iter().chain(coat).flatten().chain(normal)
     }
 
     /// The number of the texture coordinates that its meshes need.
@@ -142,8 +156,26 @@ fn material(root: &Item<'_>, item: &Item<'_>, left_out: &mut LeftOut) -> GltfRes
         }
     }
     transmission(item, &mut given, left_out)?;
+    given.coat = coat(root, item, left_out)?;
     note_what_is_left(item, &given, left_out)?;
     Ok(given)
+}
+
+fn coat(root: &Item<'_>, item: &Item<'_>, left_out: &mut LeftOut) -> GltfResult<Coat> {
+    let Some(given) = item.extension("KHR_materials_clearcoat")? else { return Ok(Coat::default()) };
+    let share = given.share("clearcoatFactor", 0.0)?;
+    if share == 0.0 {
+        return Ok(Coat::default());
+    }
+    if given.has("clearcoatNormalTexture") {
+        left_out.note("normal maps of clear coats", "material");
+    }
+    Ok(Coat {
+        share,
+        share_texture: texture((root, &given), "clearcoatTexture", left_out)?,
+        roughness: given.share("clearcoatRoughnessFactor", 0.0)?,
+        roughness_texture: texture((root, &given), "clearcoatRoughnessTexture", left_out)?,
+    })
 }
 
 fn transmission(item: &Item<'_>, given: &mut GltfMaterial, left_out: &mut LeftOut) -> GltfResult<()> {

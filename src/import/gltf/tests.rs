@@ -156,10 +156,12 @@ fn materials_are_read_with_their_extensions() {
                 "KHR_materials_transmission": { "transmissionFactor": 0.5 },
                 "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 2,
                     "attenuationColor": [0.5, 0.5, 1] },
-                "KHR_materials_clearcoat": { "clearcoatFactor": 1 },
+                "KHR_materials_clearcoat": { "clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.1,
+                    "clearcoatTexture": { "index": 0 }, "clearcoatNormalTexture": { "index": 0 } },
+                "KHR_materials_sheen": {},
             },
         }],
-        "extensionsUsed": ["KHR_materials_clearcoat", "EXT_something"],
+        "extensionsUsed": ["KHR_materials_clearcoat", "KHR_materials_sheen", "EXT_something"],
     }));
     let mut file = file;
     file.view(&[0; 8]);
@@ -172,10 +174,16 @@ fn materials_are_read_with_their_extensions() {
     let texture = material.base_texture.as_ref().expect("a texture");
     assert_eq!(material.normal_texture, Some((texture.clone(), 0.75)));
     assert_eq!((texture.wrap, texture.filter), ([Wrap::Clamp, Wrap::Mirror], TextureFilter::Nearest));
+    assert_eq!((material.coat.share, material.coat.roughness), (0.75, 0.1));
+    assert_eq!(
+        (&material.coat.share_texture, &material.coat.roughness_texture),
+        (&Some(texture.clone()), &None)
+    );
     assert_eq!(
         scene.left_out,
         [
-            "KHR_materials_clearcoat of 1 material",
+            "KHR_materials_sheen of 1 material",
+            "normal maps of clear coats of 1 material",
             "the blur of rough transmission of 1 material",
             "EXT_something",
         ]

@@ -161,13 +161,13 @@ fn light(scene: &Scene, lit: &[LayerId], found: &mut Vec<(SceneEffect, EffectSou
 
 /// The effects of a material's lobes.
 fn of_material(material: &Material) -> impl Iterator<Item = SceneEffect> {
-    let Lobes { emission, specular, mirror, refraction, microfacet, .. } = material.lobes;
+    let Lobes { emission, specular, mirror, refraction, microfacet, coat, .. } = material.lobes;
     let refracts = refraction != Rgb::ZERO;
     let all = [
         (SceneEffect::Emission, emission != Rgb::ZERO),
         (SceneEffect::Highlights, specular != Rgb::ZERO),
         (SceneEffect::Mirror, mirror != Rgb::ZERO),
-        (SceneEffect::Glossy, material.is_rough() || microfacet > 0.0),
+        (SceneEffect::Glossy, material.is_rough() || microfacet > 0.0 || coat.share > 0.0),
         (SceneEffect::Transparency, material.is_transparent()),
         (SceneEffect::Refraction, refracts),
         (SceneEffect::Absorption, refracts && material.medium.absorption != Rgb::ZERO),

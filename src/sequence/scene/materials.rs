@@ -108,9 +108,13 @@ fn described(given: &GltfMaterial, images: &mut Images<'_>) -> Option<MaterialDe
     // All textures are read, so that every wrong image is reported.
     let (base, emission) = (base(given, images), emission(given, images));
     let relief = relief(given, images);
-    let metallic = level(given, given.metallic, ColorChannel::B, images);
-    let roughness = level(given, given.roughness, ColorChannel::G, images);
+    let texture = &given.metallic_roughness_texture;
+    let metallic = level(texture, given.metallic, ColorChannel::B, images);
+    let roughness = level(texture, given.roughness, ColorChannel::G, images);
+    let coat = level(&given.coat.share_texture, given.coat.share, ColorChannel::R, images);
+    let coat_roughness = level(&given.coat.roughness_texture, given.coat.roughness, ColorChannel::G, images);
     let (base, emission, metallic, roughness) = (base?, emission?, metallic?, roughness?);
+    let (coat, coat_roughness) = (coat?, coat_roughness?);
     let relief = relief?;
     let bare = MaterialDescription {
         color: Some(base.clone()),
@@ -125,6 +129,8 @@ fn described(given: &GltfMaterial, images: &mut Images<'_>) -> Option<MaterialDe
         microfacet: Some(1.0.into()),
         metallic: Some(metallic),
         roughness: Some(roughness),
+        coat: Some(coat),
+        coat_roughness: Some(coat_roughness),
         emission,
         relief,
         ..bare
@@ -232,14 +238,14 @@ fn emission(given: &GltfMaterial, images: &mut Images<'_>) -> Option<LobeDescrip
     Some(LobeDescription { strength: Some(strength.into()), tint: Some(tint) })
 }
 
-/// A number that a channel of the metallic-roughness image multiplies.
+/// A number that a channel of an image multiplies.
 fn level(
-    given: &GltfMaterial,
+    texture: &Option<GltfTexture>,
     factor: f64,
     channel: ColorChannel,
     images: &mut Images<'_>,
 ) -> Option<ScalarTextureTracks> {
-    let Some(texture) = &given.metallic_roughness_texture else {
+    let Some(texture) = texture else {
         return Some(ScalarTextureTracks::Constant(factor.into()));
     };
     let texture = images.texture(texture, ColorEncoding::Linear)?;

@@ -1,4 +1,4 @@
-//! Samples of the microfacets of a metallic-roughness surface.
+//! Samples of the microfacets of a metallic-roughness surface, and of a coat.
 
 use super::Bsdf;
 use super::metallic::Metallic;
@@ -7,11 +7,17 @@ use crate::base::lanes::{Color, Real, Select, Vec3, out_of_line};
 use crate::sampling::LocalFrame;
 
 impl<F: Real> Bsdf<'_, F> {
-    /// Samples a reflection at a microfacet, from two numbers in 0..1. If the surface is smooth, it is the ideal
-    /// reflection.
+    /// Samples a reflection at a microfacet of the surface below the coat, from two numbers in 0..1. If it is smooth,
+    /// this is the ideal reflection.
     #[inline(always)]
     pub fn glossy_sample(&self, u: F, v: F) -> GlossySample<F> {
         sample(&self.metallic, self.to_eye, &self.frame, u, v)
+    }
+
+    /// The same of the coat.
+    #[inline(always)]
+    pub fn coat_sample(&self, u: F, v: F) -> GlossySample<F> {
+        sample(&self.coat, self.to_eye, &self.frame, u, v)
     }
 }
 

@@ -9,6 +9,9 @@ use std::f64::consts::PI;
 /// Surfaces with a lower roughness are sharp mirrors. Their highlight is narrower than a tenth of a degree.
 const SMOOTH: f32 = 0.01;
 
+/// The reflectance of a coat at normal incidence: (0.5 / 2.5)².
+const COAT_REFLECTANCE: f32 = 0.04;
+
 /// The parameters of the surface in each lane.
 #[derive(Clone, Copy)]
 pub struct Metallic<F: Real> {
@@ -39,6 +42,14 @@ impl<F: Real> Metallic<F> {
             roughness: table.number(Column::ROUGHNESS, at),
             boundary: (ratio * ratio).to_f32(),
         }
+    }
+
+    /// The boundary of a clear coat without a base: of the index of refraction 1.5, as in `KHR_materials_clearcoat`.
+    #[inline(always)]
+    pub fn coat(strength: F::F32, roughness: F::F32) -> Self {
+        let zero = F::F32::splat(0.0);
+        let boundary = F::F32::splat(COAT_REFLECTANCE);
+        Self { strength, base: Color::black(), metallic: zero, roughness, boundary }
     }
 
     /// Lanes whose surface is a sharp mirror.
@@ -78,6 +89,12 @@ impl<F: Real> Metallic<F> {
         to_light: Vec3<F>,
     ) -> (Color<F::F32>, Color<F::F32>) {
         share(self, to_eye, frame, to_light)
+    }
+
+    /// The share of light that is not reflected at the boundary as a whole, from the cosine of the angle to the normal.
+    #[inline(always)]
+    pub fn passed(&self, cosine: F) -> F::F32 {
+        F::F32::splat(1.0) - self.fresnel(cosine).r * self.strength
     }
 
     /// The density per steradian of [`Bsdf::glossy_sample`](super::Bsdf::glossy_sample). It is 0 if the surface is

@@ -16,6 +16,7 @@ mod shininess;
 mod tests;
 
 pub use boundary::Boundary;
+pub use glossy::GlossySample;
 pub use sample::BsdfSample;
 pub use shininess::Shininess;
 
@@ -47,6 +48,14 @@ pub struct Bsdf<'a, F: Real> {
     pub transparency: Color<F::F32>,
     pub refraction: Color<F::F32>,
     metallic: Metallic<F>,
+    /// The clear coat. All other lobes are what is left of them below it.
+    coat: Metallic<F>,
+}
+
+/// The share of light that a coat of this strength lets pass at an angle of this cosine.
+#[inline(always)]
+pub fn passed_by_coat<F: Real>(strength: F::F32, cosine: F) -> F::F32 {
+    Metallic::<F>::coat(strength, F::F32::splat(0.0)).passed(cosine)
 }
 
 /// Rows of a lobe table, for materials with these lobes.
@@ -69,7 +78,7 @@ impl Rows<'_> {
 pub struct Reflected<S> {
     /// Reflected by the diffuse lobe, and by the base below the boundary of a metallic-roughness surface.
     pub diffuse: Color<S>,
-    /// Reflected by a fuzzy mirror or by microfacets.
+    /// Reflected by a fuzzy mirror, by microfacets or by the coat.
     pub glossy: Color<S>,
     /// The highlight, which only light sources have.
     pub highlight: Color<S>,
@@ -88,6 +97,10 @@ out_of_line! {
         if bsdf.lobes.has(LobeSet::MICROFACET) {
             let (below, glossy) = bsdf.metallic.share(bsdf.to_eye, &bsdf.frame, to_light);
             reflected.diffuse = reflected.diffuse + below;
+            reflected.glossy = reflected.glossy + glossy;
+        }
+        if bsdf.lobes.has(LobeSet::COAT) {
+            let (_, glossy) = bsdf.coat.share(bsdf.to_eye, &bsdf.frame, to_light);
             reflected.glossy = reflected.glossy + glossy;
         }
         if bsdf.lobes.has(LobeSet::PHONG | LobeSet::BLINN_PHONG) {
@@ -130,7 +143,7 @@ impl<'a, F: Real> Bsdf<'a, F> {
             false => Metallic::none(),
         };
         let normal = Vec3::select(faces, surface.shading, surface.normal);
-        Self {
+        let mut bsdf = Self {
             lobes,
             surface,
             to_eye,
@@ -148,6 +161,27 @@ impl<'a, F: Real> Bsdf<'a, F> {
             transparency: rows.color(LobeSet::TRANSPARENT, Column::TRANSPARENCY),
             refraction: rows.color(LobeSet::REFRACTION, Column::REFRACTION),
             metallic,
+            coat: Metallic::none(),
+        };
+        if lobes.has(LobeSet::COAT) {
+            bsdf.cover(Metallic::coat(
+                table.number(Column::COAT, at),
+                table.number(Column::COAT_ROUGHNESS, at),
+            ));
+        }
+        bsdf
+    }
+
+    /// Lays a coat over all lobes. It takes the light from them that it reflects to the eye as a smooth surface
+    /// (`KHR_materials_clearcoat`, "layering").
+    #[inline(always)]
+    fn cover(&mut self, coat: Metallic<F>) {
+        let passed = coat.passed(self.normal.dot(self.to_eye));
+        self.coat = coat;
+        self.metallic.strength = self.metallic.strength * passed;
+        let Self { diffuse, specular, mirror, transparency, refraction, .. } = self;
+        for lobe in [diffuse, specular, mirror, transparency, refraction] {
+            *lobe = *lobe * passed;
         }
     }
 

@@ -1,5 +1,6 @@
 //! Sampling of the BSDF: chooses a lobe in proportion to its strength, then a direction of that lobe.
 
+use super::glossy::GlossySample;
 use super::{Boundary, Bsdf};
 use crate::base::lanes::{Color, Mask, Real, Row, Select, Single, Vec3};
 use crate::trace::materials::LobeSet;
@@ -11,6 +12,8 @@ pub struct LobeProbabilities<F> {
     diffuse: F,
     /// The boundary of a metallic-roughness surface.
     glossy: F,
+    /// The clear coat.
+    coat: F,
     mirror: F,
     transparent: F,
     refracted: F,
@@ -46,7 +49,7 @@ impl<F: Real> Bsdf<'_, F> {
     #[inline(always)]
     pub fn probabilities(&self) -> LobeProbabilities<F> {
         let zero = F::splat(0.0);
-        let (mut diffuse, mut glossy) = (zero, zero);
+        let (mut diffuse, mut glossy, mut coat) = (zero, zero, zero);
         if self.lobes.has(LobeSet::DIFFUSE) {
             diffuse = strength::<F>(self.diffuse);
         }
@@ -55,13 +58,17 @@ impl<F: Real> Bsdf<'_, F> {
             diffuse = diffuse + strength::<F>(self.metallic.below() * self.metallic.strength);
             glossy = strength::<F>(fresnel * self.metallic.strength);
         }
+        if self.lobes.has(LobeSet::COAT) {
+            coat = (F::F32::splat(1.0) - self.coat.passed(self.normal.dot(self.to_eye))).to_f64();
+        }
         let (mirror, transparent) = (strength::<F>(self.mirror), strength::<F>(self.transparency));
         let refracted = strength::<F>(self.refraction);
-        let sum = diffuse + glossy + mirror + transparent + refracted;
+        let sum = diffuse + glossy + coat + mirror + transparent + refracted;
         let per_sum = F::select(zero.lt(sum), F::splat(1.0) / sum, zero);
         LobeProbabilities {
             diffuse: diffuse * per_sum,
             glossy: glossy * per_sum,
+            coat: coat * per_sum,
             mirror: mirror * per_sum,
             transparent: transparent * per_sum,
             refracted: refracted * per_sum,
@@ -77,6 +84,9 @@ impl<F: Real> Bsdf<'_, F> {
         }
         if self.lobes.has(LobeSet::MICROFACET) {
             pdf = pdf + probabilities.glossy * self.metallic.pdf(self.to_eye, &self.frame, direction);
+        }
+        if self.lobes.has(LobeSet::COAT) {
+            pdf = pdf + probabilities.coat * self.coat.pdf(self.to_eye, &self.frame, direction);
         }
         if self.lobes.has(LobeSet::FUZZ) {
             pdf = pdf + probabilities.mirror * self.fuzzy_pdf(direction);
@@ -108,10 +118,11 @@ impl<F: Real> Bsdf<'_, F> {
         }
         if self.lobes.has(LobeSet::MICROFACET) {
             let chosen = take(&mut rest, &mut left, probabilities.glossy);
-            let drawn = self.glossy_sample(u, v);
-            sample.direction = Vec3::select(chosen, drawn.direction, sample.direction);
-            sample.is_scattered = sample.is_scattered | (chosen & !drawn.is_smooth & drawn.is_drawn);
-            sample.mirror(self, chosen & drawn.is_smooth, drawn.share / probabilities.glossy.to_f32());
+            sample.reflect(self, chosen, &self.glossy_sample(u, v), probabilities.glossy);
+        }
+        if self.lobes.has(LobeSet::COAT) {
+            let chosen = take(&mut rest, &mut left, probabilities.coat);
+            sample.reflect(self, chosen, &self.coat_sample(u, v), probabilities.coat);
         }
         if self.lobes.has(LobeSet::MIRROR) {
             let chosen = take(&mut rest, &mut left, probabilities.mirror);
@@ -142,7 +153,7 @@ impl<F: Real> Bsdf<'_, F> {
             sample.is_refracted = passes;
             sample.mirror(self, chosen & !met.passes, share);
         }
-        if self.lobes.has(LobeSet::DIFFUSE | LobeSet::MICROFACET | LobeSet::FUZZ) {
+        if self.lobes.has(LobeSet::SAMPLED) {
             self.weigh(&probabilities, &mut sample);
         }
         sample
@@ -165,6 +176,14 @@ impl<F: Real> Bsdf<'_, F> {
 }
 
 impl<F: Real> BsdfSample<F> {
+    /// Sets a reflection at a microfacet in the lanes of a mask, or the ideal reflection where the surface is smooth.
+    #[inline(always)]
+    fn reflect(&mut self, bsdf: &Bsdf<F>, mask: F::Mask, drawn: &GlossySample<F>, probability: F) {
+        self.direction = Vec3::select(mask, drawn.direction, self.direction);
+        self.is_scattered = self.is_scattered | (mask & !drawn.is_smooth & drawn.is_drawn);
+        self.mirror(bsdf, mask & drawn.is_smooth, drawn.share / probability.to_f32());
+    }
+
     /// Sets the ideal reflection in the lanes of a mask.
     #[inline(always)]
     fn mirror(&mut self, bsdf: &Bsdf<F>, mask: F::Mask, share: Color<F::F32>) {

@@ -1,7 +1,7 @@
 //! Light on surfaces: where there is a highlight, and where there is not.
 
 use super::*;
-use crate::appearance::material::{Exponent, Highlight, Lobes, Material, Medium};
+use crate::appearance::material::{Coat, Exponent, Highlight, Lobes, Material, Medium};
 use crate::appearance::optics::Fresnel;
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
@@ -22,15 +22,21 @@ fn material(highlight: Highlight, shininess: f64) -> Material {
 
 /// The reflection of a level surface to the eye: diffuse, glossy, and the highlight.
 fn reflected(material: &Material, to_light: DVec3, to_eye: DVec3) -> [Rgb; 3] {
+    with_bsdf(material, to_eye, |bsdf| {
+        let Reflected { diffuse, glossy, highlight } = bsdf.reflected(to_light.into());
+        [diffuse, glossy, highlight].map(Rgb::from)
+    })
+}
+
+/// Calls `use_it` with the lobes of a level surface.
+fn with_bsdf<R>(material: &Material, to_eye: DVec3, use_it: impl FnOnce(&Bsdf<f64>) -> R) -> R {
     let surface = LaneSurface::<f64>::new(Vec3::zero(), Vec3::zero(), DVec3::Y.into());
     let table = LobeTable::new([&material.lobes].into_iter());
     let lobes = LobeSet::of(material);
     let shininess = Shininess::gather(|_| material.shininess);
     let eye = LocalFrame::from_z_near_x(to_eye.into(), [DVec3::X, DVec3::Y]);
     let rows = (&table, &Lookup::run(0, 1));
-    let bsdf = Bsdf::gather(lobes, rows, shininess, material.medium.ior, (&surface, &eye, true));
-    let Reflected { diffuse, glossy, highlight } = bsdf.reflected(to_light.into());
-    [diffuse, glossy, highlight].map(Rgb::from)
+    use_it(&Bsdf::gather(lobes, rows, shininess, material.medium.ior, (&surface, &eye, true)))
 }
 
 #[test]
@@ -77,4 +83,64 @@ fn diffuse_follows_the_cosine() {
     let matte = Material { lobes, ..material(Highlight::Phong, 1.0) };
     let at_60 = DVec3::new(0.75f64.sqrt(), 0.5, 0.0);
     assert_eq!(reflected(&matte, at_60, DVec3::Y), [Rgb::splat(0.25), Rgb::ZERO, Rgb::ZERO]);
+}
+
+/// A coat of varnish over a white surface.
+fn coated(share: f32, roughness: f32) -> Material {
+    let lobes = Lobes { diffuse: Rgb::ONE, coat: Coat { share, roughness }, ..Lobes::default() };
+    Material { lobes, ..material(Highlight::Phong, 1.0) }
+}
+
+/// Directions to the eye, from the normal almost to the horizon.
+fn eyes() -> impl Iterator<Item = DVec3> {
+    [1.0, 0.7, 0.3, 0.05].into_iter().map(|y: f64| DVec3::new((1.0 - y * y).sqrt(), y, 0.0))
+}
+
+/// The light that samples give below a sky of radiance 1.
+fn sampled(material: &Material, to_eye: DVec3) -> f64 {
+    const SIDE: u32 = 24;
+    let number = |index: u32| (f64::from(index) + 0.5) / f64::from(SIDE);
+    with_bsdf(material, to_eye, |bsdf| {
+        let boundary = Boundary { eta: 1.0 };
+        let mut sum = 0.0;
+        for (u, v, choice) in (0..SIDE.pow(3)).map(|i| (i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE)) {
+            let sample = bsdf.sample(&boundary, [number(u), number(v), number(choice), 0.5]);
+            if sample.continues() {
+                sum += f64::from(sample.diffuse.r + sample.specular.r);
+            }
+        }
+        sum / f64::from(SIDE.pow(3))
+    })
+}
+
+/// What a sharp coat reflects is taken from the surface below, so a white surface under a white sky stays white.
+#[test]
+fn sharp_coats_keep_all_light() {
+    for (coat, eye) in [0.25, 1.0].into_iter().flat_map(|coat| eyes().map(move |eye| (coat, eye))) {
+        let light = sampled(&coated(coat, 0.0), eye);
+        assert!((light - 1.0).abs() < 1e-3, "{coat} {eye} {light}");
+    }
+}
+
+/// Samples of a rough coat give the light that the sum of all directions gives, and no more than falls in.
+#[test]
+fn samples_of_rough_coats_agree_with_their_shares() {
+    // Cells of equal solid angle over half of the hemisphere, narrow enough for reflections near the horizon.
+    const STEPS: [u32; 2] = [200, 1000];
+    for (roughness, eye) in [0.3, 0.8].into_iter().flat_map(|rough| eyes().map(move |eye| (rough, eye))) {
+        let material = coated(1.0, roughness);
+        let mut sum = 0.0;
+        for (i, j) in (0..STEPS[0]).flat_map(|i| (0..STEPS[1]).map(move |j| (i, j))) {
+            let [y, turn] =
+                [(i, STEPS[0]), (j, STEPS[1])].map(|(at, of)| (f64::from(at) + 0.5) / f64::from(of));
+            let (sin, cos) = libm::sincos(std::f64::consts::PI * turn);
+            let flat = (1.0 - y * y).sqrt();
+            let [diffuse, glossy, _] = reflected(&material, DVec3::new(flat * cos, y, flat * sin), eye);
+            sum += f64::from(diffuse.x + glossy.x);
+        }
+        // Shares are π times what counts, over 2 π steradians.
+        let (all, light) = (2.0 * sum / f64::from(STEPS[0] * STEPS[1]), sampled(&material, eye));
+        assert!((all - light).abs() < 0.02, "{roughness} {eye} {all} {light}");
+        assert!(light < 1.02, "{roughness} {eye} {light}");
+    }
 }

@@ -5,7 +5,7 @@ use crate::appearance::environment::{EnvironmentDistribution, Sky};
 use crate::appearance::fog::{Falloff, Fog};
 use crate::appearance::light::{Light, Source};
 use crate::appearance::light_groups::GroupRadiance;
-use crate::appearance::material::{Lobes, Material, Medium};
+use crate::appearance::material::{Coat, Lobes, Material, Medium};
 use crate::appearance::optics::Fresnel;
 use crate::appearance::texture::{Image, SharedAsset};
 use crate::base::color::Rgb;
@@ -82,6 +82,9 @@ fn vary(material: &mut Material, random: &mut Random) {
         share if share < 0.3 => (material.lobes, material.medium) = (rough, medium),
         share if share < 0.6 => (material.lobes, material.medium) = (glass, medium),
         _ => return,
+    }
+    if random.unit() < 0.3 {
+        material.lobes.coat = Coat { share: 0.8, roughness: one_of(random, &[0.0, 0.2]) };
     }
     material.fresnel = one_of(random, &[Fresnel::Off, Fresnel::Exact, Fresnel::Schlick]);
 }

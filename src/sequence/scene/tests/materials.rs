@@ -21,7 +21,8 @@ fn materials_follow_the_metallic_roughness_model() {
         "materials": [
             { "name": "paint", "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.25, 1, 0.5],
                 "metallicFactor": 0.75, "roughnessFactor": 0.5 }, "emissiveFactor": [1, 0, 0],
-              "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 3 }, "KHR_materials_ior": { "ior": 1.25 } } },
+              "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 3 }, "KHR_materials_ior": { "ior": 1.25 },
+                  "KHR_materials_clearcoat": { "clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.125 } } },
             { "name": "glass", "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 0 }, "extensions": {
                 "KHR_materials_transmission": { "transmissionFactor": 1 },
                 "KHR_materials_volume": { "thicknessFactor": 0.1, "attenuationDistance": 2, "attenuationColor": [0.25, 1, 1] } } },
@@ -44,6 +45,8 @@ fn materials_follow_the_metallic_roughness_model() {
     assert_eq!((&paint.base, &paint.microfacet), (&Rgb::new(0.5, 0.25, 1.0).into(), &1.0.into()));
     assert_eq!(paint.metallic, ScalarTextureTracks::Constant(0.75.into()));
     assert_eq!(paint.roughness, ScalarTextureTracks::Constant(0.5.into()));
+    assert_eq!(paint.coat, ScalarTextureTracks::Constant(0.75.into()));
+    assert_eq!(paint.coat_roughness, ScalarTextureTracks::Constant(0.125.into()));
     assert_eq!(
         (&paint.emission.strength, &paint.emission.tint),
         (&1.0.into(), &Rgb::new(3.0, 0.0, 0.0).into())
