@@ -99,7 +99,7 @@ fn read(path: &Path, root: &Root, name: &str, meter: &LoadProgress) -> Result<Me
             let folder = path.parent().unwrap_or(Path::new(""));
             let libraries = Libraries { folder, root, read: RefCell::default() };
             let mut parts = obj::read(input, &|library| libraries.read(library))?;
-            for map in parts.materials.iter_mut().filter_map(|material| material.diffuse_map.as_mut()) {
+            for (_, map) in parts.materials.iter_mut().flat_map(|material| &mut material.maps) {
                 map.file = folder.join(&map.file).to_string_lossy().into_owned();
             }
             Ok(parts)

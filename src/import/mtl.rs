@@ -3,19 +3,39 @@
 use super::lines::{Lines, numbers, parsed, split_word, unexpected, words};
 use crate::base::color::Rgb;
 use crate::base::math::DVec2;
-use crate::geometry::mesh::{Map, MeshError, MtlMaterial};
+use crate::geometry::mesh::{Map, MapChannel, MapUse, MeshError, MtlMaterial};
 use std::io::BufRead;
 
 /// Values that other programs read but this reader does not. It reports them.
-const LEFT_OUT: [&str; 24] = [
-    "Tf", "map_Ka", "map_Ks", "map_Ke", "map_Ns", "map_d", "map_Tr", "map_Bump", "bump", "disp", "map_disp",
-    "decal", "refl", "map_refl", "norm", "Pr", "Pm", "Ps", "Pc", "Pcr", "aniso", "map_Pr", "map_Pm",
-    "map_Ps",
+const LEFT_OUT: [&str; 14] = [
+    "Tf", "map_Ns", "map_Tr", "disp", "map_disp", "decal", "refl", "map_refl", "Ps", "aniso", "anisor",
+    "map_Ps", "map_Pc", "map_Pcr",
 ];
 
-/// Options of `map_Kd` that would change the picture but are not read.
-const OPTIONS_LEFT_OUT: [(&[u8], &str); 4] =
-    [(b"-mm", "map_Kd -mm"), (b"-t", "map_Kd -t"), (b"-cc", "map_Kd -cc"), (b"-imfchan", "map_Kd -imfchan")];
+/// Images, by the names of their statements.
+const MAPS: [(&str, MapUse); 10] = [
+    ("map_Ka", MapUse::Ambient),
+    ("map_Kd", MapUse::Diffuse),
+    ("map_Ks", MapUse::Specular),
+    ("map_Ke", MapUse::Emission),
+    ("map_d", MapUse::Opacity),
+    ("map_Bump", MapUse::Bump),
+    ("bump", MapUse::Bump),
+    ("norm", MapUse::Normal),
+    ("map_Pr", MapUse::Roughness),
+    ("map_Pm", MapUse::Metallic),
+];
+
+/// Options of images that would change the picture but are not read.
+const OPTIONS_LEFT_OUT: [(&[u8], &str); 3] = [(b"-mm", "-mm"), (b"-t", "-t"), (b"-cc", "-cc")];
+
+const CHANNELS: [(&[u8], MapChannel); 5] = [
+    (b"r", MapChannel::Red),
+    (b"g", MapChannel::Green),
+    (b"b", MapChannel::Blue),
+    (b"m", MapChannel::Alpha),
+    (b"l", MapChannel::Grey),
+];
 
 /// Reads the materials of an MTL file. Unknown lines are skipped.
 pub fn read(input: impl BufRead) -> Result<Vec<MtlMaterial>, MeshError> {
@@ -40,7 +60,14 @@ pub fn read(input: impl BufRead) -> Result<Vec<MtlMaterial>, MeshError> {
 }
 
 fn is_known(word: &[u8]) -> bool {
-    matches!(word, b"Ka" | b"Kd" | b"Ks" | b"Ke" | b"Ns" | b"Ni" | b"d" | b"Tr" | b"illum" | b"map_Kd")
+    matches!(word, b"Ka" | b"Kd" | b"Ks" | b"Ke" | b"Ns" | b"Ni" | b"d" | b"Tr" | b"illum")
+        || matches!(word, b"Pr" | b"Pm" | b"Pc" | b"Pcr")
+        || map_use(word).is_some()
+}
+
+/// What the image of a statement is for, with the name of the statement.
+fn map_use(word: &[u8]) -> Option<(&'static str, MapUse)> {
+    MAPS.into_iter().find(|(name, _)| name.as_bytes().eq_ignore_ascii_case(word))
 }
 
 impl MtlMaterial {
@@ -63,10 +90,20 @@ impl MtlMaterial {
                 let model = words(rest).next().and_then(parsed);
                 self.model = Some(model.ok_or("a whole number after `illum`")?);
             }
-            b"map_Kd" => self.diffuse_map = Some(self.map(rest)?),
-            b"map_d" => self.opacity_map = Some(path(rest)),
+            b"Pr" => self.roughness = Some(share(rest)?),
+            b"Pm" => self.metallic = Some(share(rest)?),
+            b"Pc" => self.coat = Some(share(rest)?),
+            b"Pcr" => self.coat_roughness = Some(share(rest)?),
             // A white filter has no effect.
             b"Tf" if color(rest) == Ok(Rgb::ONE) => {}
+            _ if let Some((name, usage)) = map_use(word) => {
+                let map = self.read_map(rest)?.ok_or(match name {
+                    "map_Kd" => "the name of an image after `map_Kd`",
+                    _ => "the name of an image",
+                })?;
+                self.maps.retain(|(other, _)| *other != usage);
+                self.maps.push((usage, map));
+            }
             _ => {
                 let known = LEFT_OUT.into_iter().find(|name| name.as_bytes().eq_ignore_ascii_case(word));
                 known.into_iter().for_each(|name| self.leave_out(name));
@@ -76,13 +113,11 @@ impl MtlMaterial {
     }
 
     /// Drops `map_d` if it names the image of `map_Kd`: exporters then mean its alpha, which is read with its
-    /// colours. Otherwise reports `map_d` as left out.
+    /// colours.
     fn finish(&mut self) {
-        let Some(line) = self.opacity_map.take() else { return };
-        let options = self.diffuse_map.as_ref().and_then(|map| line.strip_suffix(&map.file));
-        if !options.is_some_and(are_options) {
-            self.leave_out("map_d");
-        }
+        let Some(color) = self.map(MapUse::Diffuse).map(|map| map.file.clone()) else { return };
+        let means_alpha = |map: &Map| map.channel.is_none_or(|channel| channel == MapChannel::Alpha);
+        self.maps.retain(|(usage, map)| *usage != MapUse::Opacity || map.file != color || !means_alpha(map));
     }
 
     /// The ambient reflectance that the file intends; `None` if it intends nothing. Exporters without ambient light
@@ -98,9 +133,16 @@ impl MtlMaterial {
         }
     }
 
-    /// Reads an image: its options, and then its name, which may contain blanks.
-    fn map(&mut self, mut rest: &[u8]) -> Result<Map, &'static str> {
-        let mut map = Map { file: String::new(), scale: DVec2::ONE, offset: DVec2::ZERO, clamps: false };
+    /// Reads an image: its options, and then its name, which may contain blanks. None without a name.
+    fn read_map(&mut self, mut rest: &[u8]) -> Result<Option<Map>, &'static str> {
+        let mut map = Map {
+            file: String::new(),
+            scale: DVec2::ONE,
+            offset: DVec2::ZERO,
+            clamps: false,
+            strength: 1.0,
+            channel: None,
+        };
         loop {
             let (option, after) = split_word(rest);
             let most = match option {
@@ -118,6 +160,18 @@ impl MtlMaterial {
                     map.scale = scale.ok_or("finite numbers other than 0 after `-s`")?;
                 }
                 b"-clamp" => map.clamps = values == [b"on"],
+                b"-bm" => {
+                    let strength = values.first().and_then(|value| parsed::<f64>(value));
+                    let strength = strength.filter(|value| value.abs() <= 1e30);
+                    map.strength = strength.ok_or("a finite number after `-bm`")?;
+                }
+                b"-imfchan" => {
+                    let known = CHANNELS.iter().find(|(name, _)| values == [*name]);
+                    map.channel = known.map(|(_, channel)| *channel);
+                    if known.is_none() {
+                        self.leave_out("-imfchan");
+                    }
+                }
                 _ => {
                     let known = OPTIONS_LEFT_OUT.iter().find(|(name, _)| *name == option);
                     known.into_iter().for_each(|(_, name)| self.leave_out(name));
@@ -126,18 +180,13 @@ impl MtlMaterial {
             rest = after;
         }
         map.file = path(rest);
-        if map.file.is_empty() { Err("the name of an image after `map_Kd`") } else { Ok(map) }
+        Ok((!map.file.is_empty()).then_some(map))
     }
 }
 
 /// The path of a file, with `/` between folders.
 fn path(rest: &[u8]) -> String {
     String::from_utf8_lossy(rest).replace('\\', "/")
-}
-
-/// Whether the text before the name of an image can be options with their values, or is empty.
-fn are_options(before: &str) -> bool {
-    before.is_empty() || before.starts_with('-') && before.ends_with([' ', '\t'])
 }
 
 /// The smallest scale. The reciprocals of smaller ones could overflow.
@@ -205,7 +254,7 @@ mod tests {
         assert_eq!(red.ambient, Some(Rgb::splat(0.5)));
         assert_eq!((red.shininess, red.ior, red.opacity), (Some(96.0), Some(1.5), Some(0.75)));
         assert_eq!((red.model, red.specular), (Some(2), None));
-        let map = red.diffuse_map.as_ref().expect("an image");
+        let map = red.map(MapUse::Diffuse).expect("an image");
         assert_eq!((map.file.as_str(), map.clamps), ("tex/red brick.png", true));
         assert_eq!((map.scale, map.offset), (DVec2::ONE, DVec2::new(0.5, 0.0)));
         assert_eq!((b.opacity, b.emission), (Some(0.5), Some(Rgb::new(1.0, 2.0, 3.0))));
@@ -216,27 +265,41 @@ mod tests {
         let map = |options: &str| {
             let text = format!("newmtl a\nmap_Kd {options} a.png");
             let material = read(text.as_bytes()).expect("a material").remove(0);
-            (material.diffuse_map.expect("an image"), material.left_out)
+            (material.map(MapUse::Diffuse).expect("an image").clone(), material.left_out)
         };
         let (placed, left_out) = map("-s 2 -3 1 -blendu on -o 0.5 -clamp off");
         assert_eq!((placed.scale, placed.offset), (DVec2::new(2.0, -3.0), DVec2::new(0.5, 0.0)));
         assert_eq!((placed.file.as_str(), placed.clamps, left_out), ("a.png", false, vec![]));
         assert_eq!(map("-s 2").0.scale, DVec2::new(2.0, 1.0));
-        assert_eq!(map("-mm 0.1 0.9 -t 1 -mm 0 1").1, ["map_Kd -mm", "map_Kd -t"]);
+        assert_eq!(map("-mm 0.1 0.9 -t 1 -mm 0 1").1, ["-mm", "-t"]);
+        let bumped = map("-bm -0.5 -imfchan g").0;
+        assert_eq!((bumped.strength, bumped.channel), (-0.5, Some(MapChannel::Green)));
+        assert_eq!(map("-imfchan z").1, ["-imfchan"]);
     }
 
     #[test]
     fn the_alpha_of_an_image_is_read_with_its_colours() {
-        let left_out = |text: &str| read(text.as_bytes()).expect("a material").remove(0).left_out;
-        assert_eq!(left_out("newmtl a\nmap_Kd -s 2 tex\\leaf 1.png\nmap_d tex/leaf 1.png"), [""; 0]);
-        assert_eq!(left_out("newmtl a\nmap_d -imfchan m leaf.png\nmap_Kd leaf.png"), [""; 0]);
-        assert_eq!(left_out("newmtl a\nmap_Kd leaf.png\nmap_d mask.png"), ["map_d"]);
-        assert_eq!(left_out("newmtl a\nmap_d mask.png"), ["map_d"]);
-        // The end of another name does not match.
-        assert_eq!(left_out("newmtl a\nmap_Kd leaf.png\nmap_d other_leaf.png"), ["map_d"]);
-        assert_eq!(left_out("newmtl a\nmap_Kd leaf.png\nmap_d other leaf.png"), ["map_d"]);
-        assert_eq!(left_out("newmtl a\nmap_Kd leaf.png\nmap_d -imfchan m tex\\leaf.png"), ["map_d"]);
-        assert_eq!(left_out("newmtl a\nmap_Kd leaf.png\nmap_d -imfchan m\tleaf.png"), [""; 0]);
+        let has_own = |text: &str| {
+            let material = read(text.as_bytes()).expect("a material").remove(0);
+            assert!(material.left_out.is_empty());
+            material.map(MapUse::Opacity).is_some()
+        };
+        for same in [
+            "map_Kd -s 2 tex\\leaf 1.png\nmap_d tex/leaf 1.png",
+            "map_d -imfchan m leaf.png\nmap_Kd leaf.png",
+            "map_Kd leaf.png\nmap_d -imfchan m\tleaf.png",
+        ] {
+            assert!(!has_own(&format!("newmtl a\n{same}")), "{same}");
+        }
+        for other in [
+            "map_Kd leaf.png\nmap_d mask.png",
+            "map_d mask.png",
+            "map_Kd leaf.png\nmap_d other leaf.png",
+            "map_Kd leaf.png\nmap_d -imfchan m tex\\leaf.png",
+            "map_Kd leaf.png\nmap_d -imfchan r leaf.png",
+        ] {
+            assert!(has_own(&format!("newmtl a\n{other}")), "{other}");
+        }
     }
 
     #[test]
@@ -253,11 +316,11 @@ mod tests {
 
     #[test]
     fn ignored_statements_are_recorded() {
-        let text = "newmtl a\nmap_bump -bm 1 b.png\nTf 1 1 1\nmap_Ks s.png\nmap_Bump c.png\nsharpness 60\n\
+        let text = "newmtl a\ndisp -bm 1 b.png\nTf 1 1 1\nmap_ns s.png\nDisp c.png\nsharpness 60\n\
                     newmtl b\nTf 1 0 0";
         let materials = read(text.as_bytes()).expect("materials");
         let left_out = materials.iter().map(|material| &material.left_out[..]).collect::<Vec<_>>();
-        assert_eq!(left_out, [&["map_Bump", "map_Ks"][..], &["Tf"]]);
+        assert_eq!(left_out, [&["disp", "map_Ns"][..], &["Tf"]]);
     }
 
     #[test]

@@ -56,6 +56,7 @@ mod mesh_files;
 mod mesh_series;
 mod motion;
 mod mtl;
+mod mtl_images;
 mod names;
 mod node;
 mod notes;

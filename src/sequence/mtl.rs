@@ -1,20 +1,16 @@
 //! Translates the materials of a mesh's file into Kinora's.
 
 use super::fault::Fault;
-use super::material_description::{MaterialDescription, MeshMaterials};
+use super::material_description::{LobeDescription, MaterialDescription, MeshMaterials};
+use super::mtl_images::{MtlImageReader, MtlImages, level};
 use super::node::Node;
-use super::suggest::shortened;
-use crate::appearance::material::Highlight;
+use crate::appearance::material::{Highlight, ScalarTextureTracks};
 use crate::appearance::optics::Fresnel;
-use crate::appearance::texture::{
-    ColorEncoding, ImageTextureTracks, TextureFilter, TextureMappingTracks, TextureTracks, Wrap,
-};
+use crate::appearance::texture::{ImageTextureTracks, TextureTracks};
 use crate::base::color::Rgb;
-use crate::base::math::DVec2;
-use crate::geometry::mesh::Map;
+use crate::base::math::Aabb;
 use crate::geometry::mesh::{MtlMaterial, TriangleMesh};
 use std::ops::Range;
-use std::path::Path;
 
 /// The materials of a mesh whose object names none: those of its file with their names, or its vertex colours. Returns
 /// None if a library or an image cannot be read, and reports that at `place`.
@@ -26,12 +22,11 @@ pub fn mesh_materials(node: Node<'_>, place: &Range<usize>, mesh: &TriangleMesh)
     }
     let color = mesh.has_colors().then_some(TextureTracks::VertexColor);
     let bare = MaterialDescription { color, ..MaterialDescription::default() };
+    let Aabb { min, max } = mesh.bounds();
+    let images = MtlImageReader { node, place, diagonal: (max - min).length() };
     let slots = mesh.materials().iter().map(|material| {
-        let image = match &material.diffuse_map {
-            Some(map) => Some(diffuse_map(node, place, &material.name, map)?),
-            None => None,
-        };
-        Some((material.name.clone(), translated(material, image, &bare)))
+        let images = images.read(material)?;
+        Some((material.name.clone(), translated(material, images, &bare)))
     });
     // Reads all of them, so that every missing image is reported.
     let slots: Vec<_> = slots.collect();
@@ -40,84 +35,111 @@ pub fn mesh_materials(node: Node<'_>, place: &Range<usize>, mesh: &TriangleMesh)
     Some(given.into())
 }
 
-fn diffuse_map(
-    node: Node<'_>,
-    place: &Range<usize>,
-    material: &str,
-    map: &Map,
-) -> Option<ImageTextureTracks> {
-    let image = match node.file.images.image(&map.file, ColorEncoding::Srgb) {
-        Ok(image) => image,
-        Err(why) => {
-            let name = Path::new(&map.file).file_name().unwrap_or_default().to_string_lossy();
-            let title = format!("cannot read the image {:?} of the mesh", shortened(&name));
-            let help = format!("material {:?} names it, relative to the mesh's folder", shortened(material));
-            node.fault(Fault::new(place.clone(), title, why.to_string()).help(help));
-            return None;
-        }
+/// Follows the illumination models of the format's description (Wavefront, *Advanced Visualizer*, appendix B2), or the
+/// model with microfacets if any of its numbers is given. Highlights are Blinn's. Models from 3 on also mirror; 6 and 7
+/// refract, 7 with Fresnel's equations.
+fn translated(material: &MtlMaterial, images: MtlImages, bare: &MaterialDescription) -> MaterialDescription {
+    let own = material.diffuse.map(|color| color.max(Rgb::ZERO));
+    let mut color = paint(&images.diffuse, own).or_else(|| bare.color.clone());
+    if let Some(opacity) = &images.opacity {
+        let base = color.unwrap_or(Rgb::splat(0.8).into());
+        color = Some(TextureTracks::Product(Box::new([base, opacity.clone()])));
+    }
+    let coat = material.coat.map(|coat| ScalarTextureTracks::Constant(f64::from(coat).into()));
+    let coat_roughness =
+        material.coat_roughness.map(|rough| ScalarTextureTracks::Constant(f64::from(rough).into()));
+    let relief = images.relief.clone();
+    let microfacets = material.roughness.is_some()
+        || material.metallic.is_some()
+        || images.roughness.is_some()
+        || images.metallic.is_some();
+    let surface = match microfacets {
+        true => with_microfacets(material, images, color),
+        false => by_model(material, &images, color, bare),
     };
-    Some(ImageTextureTracks {
-        image,
-        wrap: map.clamps.then_some(Wrap::Clamp),
-        axis_wraps: None,
-        filter: TextureFilter::default(),
-        channel: None,
-        tint: Rgb::ONE.into(),
-        alpha: true,
-        mapping: placement(map),
-    })
+    MaterialDescription { relief, coat: coat.or(surface.coat), coat_roughness, ..surface }
 }
 
-/// In MTL files, a larger scale shows more of the image, and the offset points from the surface to the image.
-fn placement(Map { scale, offset, .. }: &Map) -> TextureMappingTracks {
-    if (*scale, *offset) == (DVec2::ONE, DVec2::ZERO) {
-        return TextureMappingTracks::default();
-    }
-    TextureMappingTracks {
-        offset: (-*offset / *scale).extend(0.0).into(),
-        scale: scale.recip().extend(1.0).into(),
-        ..TextureMappingTracks::default()
+/// An image in a colour. None without both.
+fn paint(image: &Option<ImageTextureTracks>, color: Option<Rgb>) -> Option<TextureTracks> {
+    match image {
+        Some(image) => {
+            let tint = color.unwrap_or(Rgb::ONE).into();
+            Some(TextureTracks::Image(Box::new(ImageTextureTracks { tint, ..image.clone() })))
+        }
+        None => color.map(TextureTracks::from),
     }
 }
 
-/// Follows the illumination models of the format's description (Wavefront, *Advanced Visualizer*, appendix B2).
-/// Highlights are Blinn's. Models from 3 on also mirror; 6 and 7 refract, 7 with Fresnel's equations.
-fn translated(
+/// What is emitted, if the file states it.
+fn emission(material: &MtlMaterial, images: &MtlImages) -> Option<LobeDescription> {
+    let color = material.emission.map(|emission| emission.max(Rgb::ZERO));
+    let tint = paint(&images.emission, color)?;
+    Some(LobeDescription { strength: Some(1.0.into()), tint: Some(tint) })
+}
+
+/// The roughness of a material that states only how metallic it is.
+const ROUGHNESS: f32 = 0.5;
+
+/// The metallic-roughness model.
+fn with_microfacets(
     material: &MtlMaterial,
-    image: Option<ImageTextureTracks>,
+    images: MtlImages,
+    color: Option<TextureTracks>,
+) -> MaterialDescription {
+    let emission = emission(material, &images);
+    // An image multiplies the number, and is the number if there is none.
+    let factor =
+        |number: Option<f32>, image: bool, otherwise| number.unwrap_or(if image { 1.0 } else { otherwise });
+    let roughness = factor(material.roughness, images.roughness.is_some(), ROUGHNESS);
+    let metallic = factor(material.metallic, images.metallic.is_some(), 0.0);
+    let opacity = f64::from(material.opacity.unwrap_or(1.0));
+    let bare = MaterialDescription::bare();
+    let passing = LobeDescription { strength: Some((1.0 - opacity).into()), tint: None };
+    MaterialDescription {
+        color,
+        microfacet: Some(opacity.into()),
+        metallic: Some(level(images.metallic, metallic)),
+        roughness: Some(level(images.roughness, roughness)),
+        emission: emission.unwrap_or(bare.emission),
+        transparency: if opacity < 1.0 { passing } else { bare.transparency },
+        ior: material.ior.map(|ior| f64::from(ior).into()),
+        ..bare
+    }
+}
+
+/// A material of one of the illumination models.
+fn by_model(
+    material: &MtlMaterial,
+    images: &MtlImages,
+    color: Option<TextureTracks>,
     bare: &MaterialDescription,
 ) -> MaterialDescription {
     let model = material.model.unwrap_or(2);
     let opacity = f64::from(material.opacity.unwrap_or(1.0));
     let refracts = matches!(model, 6 | 7);
-    let tinted = |color: Option<Rgb>| match (&image, color) {
-        (Some(image), color) => {
-            let tint = color.unwrap_or(Rgb::ONE).max(Rgb::ZERO).into();
-            Some(TextureTracks::Image(Box::new(ImageTextureTracks { tint, ..image.clone() })))
-        }
-        (None, color) => color.map(|color| color.max(Rgb::ZERO).into()),
-    };
+    let ambient_image = images.ambient.as_ref().or(images.diffuse.as_ref()).cloned();
+    let ambient_color = |color: Option<Rgb>| paint(&ambient_image, color.map(|color| color.max(Rgb::ZERO)));
     let mut given = bare.clone();
-    given.color = tinted(material.diffuse).or(given.color);
+    given.color = color;
     if given.color.is_some() || opacity < 1.0 {
         given.diffuse.strength = Some(opacity.into());
     }
     if let Some(ambient) = material.effective_ambient() {
-        (given.ambient.strength, given.ambient.tint) = (Some(opacity.into()), tinted(Some(ambient)));
+        (given.ambient.strength, given.ambient.tint) = (Some(opacity.into()), ambient_color(Some(ambient)));
     } else if opacity < 1.0 {
         // If the file gives no ambient colour, the default material's share applies to the opaque part.
-        given.ambient.tint = tinted(material.diffuse.map(|color| color * opacity as f32));
+        given.ambient.tint = ambient_color(material.diffuse.map(|color| color * opacity as f32));
     }
-    if let Some(specular) = material.specular {
+    if let Some(specular) = paint(&images.specular, material.specular.map(|color| color.max(Rgb::ZERO))) {
         let lobe = |there: bool| if there { 1.0 } else { 0.0 };
-        let tint = Some(TextureTracks::from(specular.max(Rgb::ZERO)));
+        let tint = Some(specular);
         (given.specular.strength, given.specular.tint) = (Some(lobe(model >= 2).into()), tint.clone());
         (given.mirror.strength, given.mirror.tint) = (Some(lobe(model >= 3).into()), tint);
         given.highlight = Some(Highlight::BlinnPhong);
     }
-    if let Some(emission) = material.emission {
-        let tint = emission.max(Rgb::ZERO).into();
-        (given.emission.strength, given.emission.tint) = (Some(1.0.into()), Some(tint));
+    if let Some(emission) = emission(material, images) {
+        given.emission = emission;
     }
     if refracts {
         let share = material.opacity.map_or(1.0, |_| 1.0 - opacity);
@@ -135,13 +157,12 @@ fn translated(
 mod tests {
     use super::*;
     use crate::appearance::material::MaterialTracks;
-    use crate::base::math::DVec3;
-    use crate::base::time::Time;
     use crate::import;
 
     fn tracks(text: &str) -> MaterialTracks {
         let material = import::mtl::read(text.as_bytes()).expect("a material").remove(0);
-        translated(&material, None, &MaterialDescription::default()).over(&MaterialDescription::default())
+        translated(&material, MtlImages::default(), &MaterialDescription::default())
+            .over(&MaterialDescription::default())
     }
 
     #[test]
@@ -178,12 +199,23 @@ mod tests {
     }
 
     #[test]
-    fn options_place_images() {
-        let text = "newmtl a\nmap_Kd -s 2 -4 1 -o 0.5 0.25 0 a.png";
-        let material = import::mtl::read(text.as_bytes()).expect("a material").remove(0);
-        let placed = placement(material.diffuse_map.as_ref().expect("an image")).at(Time::from_integer(0));
-        let (at, _) = placed.local(DVec3::new(0.75, 0.5, 0.0), DVec3::ZERO);
-        assert_eq!(at, DVec3::new(2.0 * 0.75 + 0.5, -4.0 * 0.5 + 0.25, 0.0));
+    fn numbers_of_microfacets_choose_their_model() {
+        let m = tracks(
+            "newmtl a\nKd 0.8 0.4 0\nKs 1 1 1\nPr 0.25\nPm 0.75\nd 0.5\nNi 1.25\nPc 0.5\nPcr 0.125\nKe 0 2 0",
+        );
+        let number = |value: f64| ScalarTextureTracks::Constant(value.into());
+        assert_eq!((&m.roughness, &m.metallic), (&number(0.25), &number(0.75)));
+        assert_eq!((&m.coat, &m.coat_roughness), (&number(0.5), &number(0.125)));
+        assert_eq!((&m.base, &m.microfacet), (&Rgb::new(0.8, 0.4, 0.0).into(), &0.5.into()));
+        assert_eq!((&m.transparency.strength, &m.ior), (&0.5.into(), &1.25.into()));
+        assert_eq!(
+            (m.diffuse.strength, m.specular.strength, m.ambient.strength),
+            (0.0.into(), 0.0.into(), 0.0.into())
+        );
+        assert_eq!(m.emission.tint, Rgb::new(0.0, 2.0, 0.0).into());
+        assert_eq!(tracks("newmtl a\nPm 1").roughness, number(0.5));
+        let coated = tracks("newmtl a\nKd 1 1 1\nPc 1");
+        assert_eq!((coated.coat, coated.diffuse.strength), (number(1.0), 1.0.into()));
     }
 
     #[test]

@@ -132,6 +132,75 @@ fn clear_parts_of_images_are_cut_out_of_meshes() {
     assert_eq!([0, 1].map(|x| shot.pixel(x, 0)), [0.5, 0.25].map(Rgb::splat));
 }
 
+/// A square before a background of 0.25, seen in two pixels under ambient light of 1, in the material of a library.
+fn square(folder: &Path, library: &str) -> Result<Sequence, String> {
+    let mesh = "mtllib a.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+                usemtl a\nf 1/1 2/2 3/3 4/4\n";
+    let text = "(output: (size: (2, 1)), quality: (antialias: 1), background: 0.25,
+        camera: (position: (0, 0, 5), projection: Orthographic(height: 1)),
+        lights: { \"sun\": Directional(direction: (0, 0, -1)) },
+        objects: { \"a\": (shape: Mesh(\"a.obj\")) })";
+    for (name, text) in [("a.obj", mesh), ("a.mtl", library), ("scene.ron", text)] {
+        fs::write(folder.join(name), text).expect("a disk");
+    }
+    load(&folder.join("scene.ron")).map_err(|error| error.to_string())
+}
+
+/// An image of two pixels.
+fn pair(folder: &Path, name: &str, pixels: [[u8; 3]; 2]) {
+    let image = image::RgbImage::from_fn(2, 1, |x, _| image::Rgb(pixels[x as usize]));
+    image.save(folder.join(name)).expect("a disk");
+}
+
+#[test]
+fn images_multiply_what_they_are_for() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    let folder = folder.path();
+    pair(folder, "left.png", [[255; 3], [0; 3]]);
+    pair(folder, "up.png", [[128, 128, 255], [255, 128, 128]]);
+    let seen = |library: &str| {
+        let sequence = square(folder, &format!("newmtl a\nKa 0 0 0\n{library}"));
+        let sequence = sequence.unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(sequence.notes(), [""; 0], "{library}");
+        let shot = shoot(&sequence, 0..1).remove(0);
+        [0, 1].map(|x| shot.pixel(x, 0).x)
+    };
+    // Light falls from the eye.
+    assert_eq!(seen("Kd 0.5 0.5 0.5"), [0.5, 0.5]);
+    assert_eq!(
+        seen("Kd 0.5 0.5 0.5\nmap_d left.png"),
+        [0.5, 0.25],
+        "the background is seen where it is cut out"
+    );
+    assert_eq!(seen("Kd 0.5 0.5 0.5\nmap_Kd left.png\nmap_d -imfchan r left.png"), [0.5, 0.25]);
+    assert_eq!(seen("Kd 0 0 0\nKe 3 3 3\nmap_Ke left.png"), [3.0, 0.0]);
+    assert_eq!(seen("Kd 0 0 0\nKs 0.75 0.75 0.75\nillum 2\nmap_Ks left.png"), [0.75, 0.0]);
+    // The right half is turned to the side, by a map of normals under either name.
+    for name in ["norm", "map_Bump", "bump"] {
+        let [left, right] = seen(&format!("Kd 0.5 0.5 0.5\n{name} up.png"));
+        assert!((left - 0.5).abs() < 0.01 && right < 0.1, "{name} {left} {right}");
+    }
+    // A slope of heights, from white to black, is steep in the middle of the square and level at its sides.
+    let slope = seen("Kd 0.5 0.5 0.5\nbump -bm 100 left.png");
+    assert!(slope[0] < 0.3, "{slope:?}");
+    // Metal reflects no light of the sun diffusely; rough plastic does.
+    pair(folder, "metal.png", [[0; 3], [0, 255, 0]]);
+    let [plastic, metal] = seen("Kd 0.5 0.5 0.5\nPr 1\nmap_Pm -imfchan g metal.png");
+    assert!(plastic > metal, "{plastic} {metal}");
+}
+
+#[test]
+fn images_that_cannot_be_read_are_left_out_but_those_of_colours() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
+    let sequence =
+        square(folder.path(), "newmtl a\nKd 1 1 1\nmap_Bump none.png\nPr 0.5").expect("a sequence");
+    let notes = sequence.notes().join("\n");
+    let note = "left out of the mesh: the image \"none.png\": there is no such file";
+    assert!(notes.contains(note), "{notes}");
+    let printed = square(folder.path(), "newmtl a\nmap_Kd none.png").expect_err("no image");
+    assert!(printed.contains("cannot read the image \"none.png\" of the mesh"), "{printed}");
+}
+
 #[test]
 fn missing_images_are_reported() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
@@ -167,15 +236,15 @@ fn ignored_material_parts_are_noted_once() {
     write_image(folder.path());
     let printed = |object: &str| {
         sequence(folder.path(), object).expect("a sequence");
-        let more = "\nmap_Bump b.png\nTf 1 0 0\nnewmtl unused\nmap_d d.png";
+        let more = "\ndisp b.png\nTf 1 0 0\nnewmtl unused\nmap_d d.png";
         let path = folder.path().join("models/four.mtl");
         fs::write(path, MTL.to_owned() + more).expect("a disk");
         load(&folder.path().join("scene.ron")).expect("a sequence").notes()
     };
     let again = "), \"again\": (shape: Mesh(\"models/four.obj\")";
-    assert_eq!(printed(again), ["the mesh of `four`: `map_Bump` and `Tf` of its materials left out"]);
+    assert_eq!(printed(again), ["the mesh of `four`: `disp` and `Tf` of its materials left out"]);
     let covered = format!(", material: (color: 1){again}");
-    assert_eq!(printed(&covered), ["the mesh of `again`: `map_Bump` and `Tf` of its materials left out"]);
+    assert_eq!(printed(&covered), ["the mesh of `again`: `disp` and `Tf` of its materials left out"]);
     assert_eq!(printed(", material: (color: 1)"), [""; 0]);
 }
 

@@ -25,7 +25,7 @@ pub use corners::Corners;
 pub use data::{MeshData, NO_MATERIAL};
 pub use error::{MeshError, MeshLocation, NO_FILE};
 pub use extrude::extruded;
-pub use mtl::{Map, MtlMaterial};
+pub use mtl::{Map, MapChannel, MapUse, MtlMaterial};
 pub use packet::{Packet, ShearedRay, ShearedRays};
 pub use preparation::{Center, Preparation, PreparationKey};
 pub use smooth::first_equal;

@@ -20,15 +20,56 @@ pub struct MtlMaterial {
     pub opacity: Option<f32>,
     /// `illum`: the number of an illumination model.
     pub model: Option<u32>,
-    /// `map_Kd`: the image that multiplies the diffuse reflectance. Its alpha is the opacity.
-    pub diffuse_map: Option<Map>,
-    /// `map_d` as written, until the reader knows whether it is the same image as `map_Kd`.
-    pub(crate) opacity_map: Option<String>,
+    /// `Pr` and `Pm`: roughness and how metallic it is, 0..=1, of the model with microfacets.
+    pub roughness: Option<f32>,
+    pub metallic: Option<f32>,
+    /// `Pc` and `Pcr`: how much a clear coat covers, and its roughness, 0..=1.
+    pub coat: Option<f32>,
+    pub coat_roughness: Option<f32>,
+    /// Images, each with its use, at most one for each.
+    pub maps: Vec<(MapUse, Map)>,
     /// Statements of the file that Kinora does not support, each once.
     pub left_out: Vec<&'static str>,
     /// Set if a library that the mesh names is missing. All materials of the mesh then have it. If there would be no
     /// material, there is one without a name.
     pub missing: Option<String>,
+}
+
+impl MtlMaterial {
+    /// The image for a use.
+    pub fn map(&self, wanted: MapUse) -> Option<&Map> {
+        self.maps.iter().find(|(usage, _)| *usage == wanted).map(|(_, map)| map)
+    }
+}
+
+/// What an image of a material is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapUse {
+    /// `map_Ka`, `map_Kd`, `map_Ks` and `map_Ke` multiply their colours. The alpha of `map_Kd` is opacity.
+    Ambient,
+    Diffuse,
+    Specular,
+    Emission,
+    /// `map_d`
+    Opacity,
+    /// `map_Bump`: heights or normals.
+    Bump,
+    /// `norm`: normals.
+    Normal,
+    /// `map_Pr` and `map_Pm` multiply their numbers.
+    Roughness,
+    Metallic,
+}
+
+/// The channel of an image that holds a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapChannel {
+    Red,
+    Green,
+    Blue,
+    Alpha,
+    /// The mean of red, green and blue.
+    Grey,
 }
 
 /// An image of a material and its mapping: (u, v) shows the image at `scale` · (u, v) + `offset`.
@@ -42,4 +83,8 @@ pub struct Map {
     pub offset: DVec2,
     /// `-clamp on`: the image does not repeat beyond its edges.
     pub clamps: bool,
+    /// `-bm`: a factor of the relief.
+    pub strength: f64,
+    /// `-imfchan`
+    pub channel: Option<MapChannel>,
 }
