@@ -36,11 +36,19 @@ const MOST: usize = 64;
 /// Decodes `clip` and `cap` among the fields of an object.
 pub fn clip(fields: &mut Fields<'_>, materials: &Names<'_>) -> Option<ClipDraft> {
     let [place, cap_place] = ["clip", "cap"].map(|field| fields.place(field));
-    let planes = fields.or("clip", |node| list(node, "planes", plane), Vec::new());
+    let planes = fields.or("clip", planes, Vec::new());
     let cap = fields.optional("cap", |node| {
         Some(CapDraft { material: material_source(node, materials)?, place: cap_place })
     });
     Some(ClipDraft { planes: planes?, place, cap: cap? })
+}
+
+fn planes(node: Node<'_>) -> Option<Vec<ClipPlane>> {
+    let planes = list(node, "planes", plane)?;
+    if planes.is_empty() {
+        node.file.warn(node.span().start, "`clip` without planes cuts nothing".to_owned());
+    }
+    Some(planes)
 }
 
 fn plane(node: Node<'_>) -> Option<ClipPlane> {

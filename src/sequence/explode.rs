@@ -4,6 +4,8 @@ use super::fields::Fields;
 use super::keys::keyed;
 use super::node::Node;
 use super::placement::chain;
+use super::source_file::File;
+use super::suggest::shortened;
 use super::values::{number, unit_vector, vector};
 use super::words::{Variants, variant};
 use super::{Named, Object};
@@ -20,6 +22,8 @@ pub struct ExplodeDraft {
     from: Option<Origin>,
     /// Only in this direction, and in the opposite one.
     along: Option<DVec3>,
+    /// Where it stands in the source.
+    place: usize,
 }
 
 /// What parts move away from.
@@ -37,7 +41,7 @@ pub fn explode(fields: &mut Fields<'_>) -> Option<Option<ExplodeDraft>> {
         let from = fields.optional("from", origin);
         let along = fields.optional("along", unit_vector);
         fields.finish();
-        Some(ExplodeDraft { factor: factor?, from: from?, along: along? })
+        Some(ExplodeDraft { factor: factor?, from: from?, along: along?, place: node.span().start })
     })
 }
 
@@ -58,7 +62,7 @@ fn axis(node: Node<'_>) -> Option<Origin> {
 }
 
 /// Gives the parts of objects their offsets in exploded views.
-pub fn add_offsets(objects: &mut [Named<Object>], drafts: Vec<Option<ExplodeDraft>>) {
+pub fn add_offsets(file: &File<'_>, objects: &mut [Named<Object>], drafts: Vec<Option<ExplodeDraft>>) {
     if drafts.iter().all(Option::is_none) {
         return;
     }
@@ -67,6 +71,13 @@ pub fn add_offsets(objects: &mut [Named<Object>], drafts: Vec<Option<ExplodeDraf
     for (object, draft) in drafts.into_iter().enumerate() {
         let Some(draft) = draft else { continue };
         let parts = parts_of(objects, object, &explodes);
+        if parts.is_empty() {
+            let name = shortened(&objects[object].name);
+            file.warn(
+                draft.place,
+                format!("`explode` of `{name}` moves nothing: no object has it as its `parent`"),
+            );
+        }
         let middles: Vec<DVec3> = parts.iter().map(|&part| middle(objects, &bounds, part)).collect();
         let all = parts.iter().filter_map(|&part| bounds[part]).reduce(Aabb::union);
         let center = all.map_or(DVec3::ZERO, |all| all.center());
@@ -162,6 +173,17 @@ mod tests {
     fn assert_close(found: &[DVec3], expected: &[DVec3]) {
         let apart = found.iter().zip(expected).map(|(a, b)| (*a - *b).length());
         assert!(apart.fold(0.0, f64::max) < 1e-12, "{found:?} {expected:?}");
+    }
+
+    #[test]
+    fn views_and_cuts_without_effect_are_noted() {
+        let text = r#"(objects: { "a": (shape: Sphere(), explode: (factor: 1)), "b": (shape: Sphere(), clip: []) })"#;
+        let notes = parse("test.ron", text).expect("a sequence").notes().join("\n");
+        let expected = [
+            "`explode` of `a` moves nothing: no object has it as its `parent`",
+            "`clip` without planes cuts nothing",
+        ];
+        assert!(expected.iter().all(|note| notes.contains(note)), "{notes}");
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub fn materials_and_objects(
         objects.extend(below);
     }
     bind_caps(fields.node().file, &mut table, &mut objects, below.caps);
-    add_offsets(&mut objects, below.explode);
+    add_offsets(fields.node().file, &mut objects, below.explode);
     let deformed = below.deformed.into_iter();
     let deformed = deformed.map(|(index, scene)| SceneDeformations { place: places[index].clone(), ..scene });
     deform(fields.node().file, &mut objects, deformed.collect());
