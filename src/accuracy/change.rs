@@ -8,6 +8,7 @@ use crate::appearance::material::{LobeTracks, MaterialTracks, ScalarTextureTrack
 use crate::appearance::texture::TextureTracks;
 use crate::base::color::Rgb;
 use crate::base::time::Time;
+use crate::film::LayerId;
 use crate::geometry::shape::Shape;
 use crate::sequence::{Object, Sequence};
 use crate::track::Animated;
@@ -100,7 +101,7 @@ impl RemovableEffect {
             Self::Mirrors => off(&mut material.mirror),
             Self::Roughness => {
                 let sharp = || ScalarTextureTracks::Constant(0.0.into());
-                (material.fuzz, material.roughness) = (sharp(), sharp());
+                (material.fuzz, material.roughness, material.coat_roughness) = (sharp(), sharp(), sharp());
             }
             Self::Transparency => off(&mut material.transparency),
             Self::Refraction => off(&mut material.refraction),
@@ -123,7 +124,8 @@ fn plain(material: &mut MaterialTracks) {
         }
     }
     material.relief = None;
-    for level in [&mut material.fuzz, &mut material.metallic, &mut material.roughness] {
+    let levels = [&mut material.fuzz, &mut material.metallic, &mut material.roughness];
+    for level in levels.into_iter().chain([&mut material.coat, &mut material.coat_roughness]) {
         if matches!(level, ScalarTextureTracks::Textured(_)) {
             *level = ScalarTextureTracks::Constant(f64::from(GREY).into());
         }
@@ -198,7 +200,10 @@ impl RemovableEffect {
             Self::Emission => any(&|material| strength(&material.emission)),
             Self::Highlights => any(&|material| strength(&material.specular)),
             Self::Mirrors => any(&|material| strength(&material.mirror)),
-            Self::Roughness => any(&|material| strength(&material.mirror).max(material.microfacet.at(time))),
+            Self::Roughness => any(&|material| {
+                let coated = f64::from(material.at(time, LayerId::CONSTANT).lobes.coat.share);
+                strength(&material.mirror).max(material.microfacet.at(time)).max(coated)
+            }),
             Self::Transparency => any(&|material| strength(&material.transparency)),
             Self::Refraction | Self::Absorption => any(&|material| strength(&material.refraction)),
             Self::DepthOfField | Self::MotionBlur | Self::Textures => true,

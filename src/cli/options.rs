@@ -71,6 +71,10 @@ pub struct RenderOptions {
     #[arg(long, conflicts_with = "no_denoise", verbatim_doc_comment)]
     pub denoise: bool,
 
+    /// Also keep what denoised frames were before, as the layer `samples` of EXR files
+    #[arg(long)]
+    pub denoise_original: bool,
+
     /// Keep frames as they are sampled, whatever the sequence says
     #[arg(long)]
     pub no_denoise: bool,
@@ -132,6 +136,7 @@ impl RenderOptions {
                 (_, true) => Some(Denoise::Off),
                 _ => None,
             },
+            denoise_original: self.denoise_original,
             tonemap: self.tonemap,
             exposure: self.exposure,
             draft: self.draft,

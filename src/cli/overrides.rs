@@ -32,6 +32,8 @@ pub struct Overrides {
     pub reuse: Option<SampleReuse>,
     /// Whether frames with random samples are denoised.
     pub denoise: Option<Denoise>,
+    /// Whether EXR files also hold what denoised frames were before.
+    pub denoise_original: bool,
     pub tonemap: Option<Tonemap>,
     /// In stops. Replaces the keys of the file.
     pub exposure: Option<f64>,
@@ -84,6 +86,7 @@ pub fn apply(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, Str
     replace(&mut formats.png.deep, wanted.deep);
     formats.png.metadata &= !wanted.no_metadata;
     formats.exr.metadata &= !wanted.no_metadata;
+    formats.exr.layers.samples |= wanted.denoise_original;
     replace(&mut output.size, wanted.size);
     replace(&mut output.tonemap, wanted.tonemap);
     replace(&mut output.exposure, wanted.exposure.map(Into::into));
@@ -149,6 +152,7 @@ mod tests {
             seed: Some(7),
             reuse: Some(SampleReuse::Zoom),
             denoise: Some(Denoise::Auto),
+            denoise_original: true,
             tonemap: Some(Tonemap::Filmic),
             exposure: Some(-0.5),
             transparent: true,

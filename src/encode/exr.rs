@@ -23,7 +23,7 @@ mod seal;
 mod tests;
 
 use half::HalfConverter;
-pub use layers::{ALBEDO, NORMAL};
+pub use layers::{ALBEDO, NORMAL, SAMPLES};
 use layers::{ExtraLayers, write_layers};
 pub use seal::{state, texts};
 

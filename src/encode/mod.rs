@@ -73,7 +73,7 @@ pub use atomic::write as write_file;
 pub use develop::{ToneTable, displayed};
 pub use encoder::{Encoder, FrameLease};
 pub use error::{EncodeError, FilmsError, JobError};
-pub use exr::{ALBEDO, NORMAL};
+pub use exr::{ALBEDO, NORMAL, SAMPLES};
 pub use flaw::Flaw;
 pub use frame_key::FrameKey;
 pub use info::{FrameInfo, SequenceInfo, TimeBudget};

@@ -76,6 +76,8 @@ pub struct ExrLayers {
     pub depth: bool,
     pub normal: bool,
     pub albedo: bool,
+    /// The light before it was denoised.
+    pub samples: bool,
 }
 
 impl ExrLayers {
@@ -86,7 +88,7 @@ impl ExrLayers {
 
     /// Whether any layer is requested.
     pub fn any(self) -> bool {
-        self.lights || self.need_features()
+        self.lights || self.samples || self.need_features()
     }
 }
 

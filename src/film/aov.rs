@@ -16,6 +16,8 @@ pub struct AovSet {
     /// Guides of the denoiser: closeness, normal and albedo of the first surface that scatters light, seen through
     /// mirrors and glass. Finished films have none.
     pub guides: bool,
+    /// Whether denoised films keep their samples, in [`Film::samples`](super::Film::samples).
+    pub samples: bool,
 }
 
 /// The number of layers of the denoising features: [depth, hits, 0], normal and albedo.

@@ -18,8 +18,14 @@ impl Film {
         let noises = self.noises.iter().copied().zip(other.noises.iter().copied());
         let mixed = self.noise.zip(other.noise).map(noise);
         let noises: Arc<[Noise]> = noises.map(noise).collect();
+        let samples = (self.samples.is_some() || other.samples.is_some()).then(|| {
+            let pixels = 0..self.width as usize * self.height as usize;
+            let both = |pixel| self.samples_of(pixel).iter().zip(other.samples_of(pixel));
+            Arc::new(pixels.flat_map(both).map(mix).collect())
+        });
         Self {
             data: Arc::new(data),
+            samples,
             noise: mixed,
             // Denoised films know their error with any weights; their mean knows that with its own.
             noises: if noises.is_empty() { mixed.into_iter().collect() } else { noises },
@@ -71,6 +77,14 @@ mod tests {
         assert_eq!(mixed.radiance().collect::<Vec<_>>(), [Rgb::splat(4.0); 2]);
         let infinite = film(1.0, 0.1).mixed_with(&film(f32::INFINITY, 0.1), 0.25);
         assert_eq!(infinite.radiance_at(0), Rgb::splat(f32::INFINITY));
+    }
+
+    #[test]
+    fn samples_are_mixed_too() {
+        let denoised = Film { samples: Some(Arc::new(vec![Rgb::splat(3.0); 2])), ..film(1.0, 0.1) };
+        let mixed = denoised.mixed_with(&film(5.0, 0.1), 0.25);
+        assert_eq!((mixed.radiance_at(1), mixed.samples_at(1)), (Rgb::splat(4.0), Rgb::splat(7.0)));
+        assert_eq!(film(1.0, 0.1).mixed_with(&film(5.0, 0.1), 0.25).samples, None);
     }
 
     #[test]

@@ -69,6 +69,8 @@ pub struct Film {
     /// The pixels, row by row from the top left. Each pixel has its layers of light and then those of the AOVs. Films
     /// that differ only in weights share the data.
     pub data: Arc<Vec<Rgb>>,
+    /// The light before it was denoised, the layers of each pixel, if the AOVs ask for it.
+    pub samples: Option<Arc<Vec<Rgb>>>,
 }
 
 /// The layers of light that are not dark, ascending.
@@ -100,6 +102,7 @@ impl Film {
             unfinished: false,
             held,
             data,
+            samples: None,
         }
     }
 
@@ -138,6 +141,20 @@ impl Film {
     /// The weighted sum of the layers of one pixel, counted row by row.
     pub fn radiance_at(&self, pixel: usize) -> Rgb {
         self.weighted(self.pixel(pixel))
+    }
+
+    /// The weighted sum of the layers of one pixel before it was denoised. If no samples are kept, they are the picture.
+    pub fn samples_at(&self, pixel: usize) -> Rgb {
+        self.weighted(self.samples_of(pixel))
+    }
+
+    /// The layers of light of a pixel before it was denoised.
+    fn samples_of(&self, pixel: usize) -> &[Rgb] {
+        let lights = self.held.len();
+        match &self.samples {
+            Some(samples) => &samples[pixel * lights..][..lights],
+            None => &self.pixel(pixel)[..lights],
+        }
     }
 
     /// The part of the radiance of a pixel that comes from one layer of light.

@@ -90,20 +90,21 @@ impl MtlMaterial {
                 let model = words(rest).next().and_then(parsed);
                 self.model = Some(model.ok_or("a whole number after `illum`")?);
             }
-            b"Pr" => self.roughness = Some(share(rest)?),
-            b"Pm" => self.metallic = Some(share(rest)?),
-            b"Pc" => self.coat = Some(share(rest)?),
-            b"Pcr" => self.coat_roughness = Some(share(rest)?),
+            // The format states no range for these, and exporters write others.
+            b"Pr" => self.roughness = Some(number(rest)?.clamp(0.0, 1.0)),
+            b"Pm" => self.metallic = Some(number(rest)?.clamp(0.0, 1.0)),
+            b"Pc" => self.coat = Some(number(rest)?.clamp(0.0, 1.0)),
+            b"Pcr" => self.coat_roughness = Some(number(rest)?.clamp(0.0, 1.0)),
             // A white filter has no effect.
             b"Tf" if color(rest) == Ok(Rgb::ONE) => {}
-            _ if let Some((name, usage)) = map_use(word) => {
-                let map = self.read_map(rest)?.ok_or(match name {
-                    "map_Kd" => "the name of an image after `map_Kd`",
-                    _ => "the name of an image",
-                })?;
-                self.maps.retain(|(other, _)| *other != usage);
-                self.maps.push((usage, map));
-            }
+            _ if let Some((name, usage)) = map_use(word) => match self.read_map(rest)? {
+                Some(map) => {
+                    self.maps.retain(|(other, _)| *other != usage);
+                    self.maps.push((usage, map));
+                }
+                None if usage == MapUse::Diffuse => return Err("the name of an image after `map_Kd`"),
+                None => self.leave_out(name),
+            },
             _ => {
                 let known = LEFT_OUT.into_iter().find(|name| name.as_bytes().eq_ignore_ascii_case(word));
                 known.into_iter().for_each(|name| self.leave_out(name));
@@ -275,6 +276,10 @@ mod tests {
         let bumped = map("-bm -0.5 -imfchan g").0;
         assert_eq!((bumped.strength, bumped.channel), (-0.5, Some(MapChannel::Green)));
         assert_eq!(map("-imfchan z").1, ["-imfchan"]);
+        let nameless =
+            read(&b"newmtl a\nmap_Ks\nmap_Bump -bm 2\nPr 1.5\nPc -1"[..]).expect("a material").remove(0);
+        assert_eq!((nameless.left_out, nameless.maps), (vec!["map_Ks", "map_Bump"], vec![]));
+        assert_eq!((nameless.roughness, nameless.coat), (Some(1.0), Some(0.0)));
     }
 
     #[test]

@@ -20,7 +20,8 @@ pub fn needed(sequence: &Sequence, aovs: AovSet) -> u64 {
     let (width, height) = sequence.output.size;
     // Motion blur also keeps the sums over a frame's moments.
     let sums = if sequence.blurs_motion() { size_of::<DVec3>() as u64 } else { 0 };
-    let layers = sequence.layers() + aovs.layers() as u64;
+    let samples = if aovs.samples { sequence.layers() } else { 0 };
+    let layers = sequence.layers() + aovs.layers() as u64 + samples;
     // Films that share samples have weighted sums.
     let sums = if sequence.quality.shares_views() { sums.max(bytes_of_sums(1, layers)) } else { sums };
     // The films of both cameras of a cross-fade are kept until the next frame, besides their mean.

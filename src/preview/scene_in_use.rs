@@ -57,7 +57,12 @@ impl SceneInUse {
 
     /// The world that traces, which is made when the first film needs it.
     pub fn tracer(&mut self) -> &mut ProgressiveLoop {
-        let aovs = AovSet { coverage: self.sequence.output.transparent, features: false, guides: false };
+        let aovs = AovSet {
+            coverage: self.sequence.output.transparent,
+            features: false,
+            guides: false,
+            samples: false,
+        };
         self.tracer.get_or_insert_with(|| ProgressiveLoop::new(&self.sequence, aovs))
     }
 

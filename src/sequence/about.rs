@@ -4,7 +4,7 @@ use super::Sequence;
 use super::layers::EmitterId;
 use super::quality::Denoise;
 use crate::appearance::light_groups::LightGroups;
-use crate::encode::{ALBEDO, ANNOTATIONS, NORMAL, SequenceInfo};
+use crate::encode::{ALBEDO, ANNOTATIONS, NORMAL, SAMPLES, SequenceInfo};
 use std::collections::HashSet;
 
 #[warn(missing_docs)]
@@ -59,7 +59,7 @@ impl Sequence {
 const CONSTANT: &str = "constant";
 
 /// Names that keyed layers must not have, because files may have other channels under them.
-const TAKEN: [&str; 4] = [CONSTANT, NORMAL, ALBEDO, ANNOTATIONS];
+const TAKEN: [&str; 5] = [CONSTANT, NORMAL, ALBEDO, ANNOTATIONS, SAMPLES];
 
 /// Appends `index` until the name is unique.
 fn unlike(mut name: String, index: usize, taken: &HashSet<String>) -> String {

@@ -98,6 +98,7 @@ enum ExrLayer {
     Depth,
     Normal,
     Albedo,
+    Samples,
 }
 
 fn exr_layers(node: Node<'_>) -> Option<ExrLayers> {
@@ -106,6 +107,7 @@ fn exr_layers(node: Node<'_>) -> Option<ExrLayers> {
         ("Depth", ExrLayer::Depth),
         ("Normal", ExrLayer::Normal),
         ("Albedo", ExrLayer::Albedo),
+        ("Samples", ExrLayer::Samples),
     ];
     let mut layers = ExrLayers::default();
     for layer in list(node, "layers", |node| word(node, "layer", &names))? {
@@ -114,6 +116,7 @@ fn exr_layers(node: Node<'_>) -> Option<ExrLayers> {
             ExrLayer::Depth => layers.depth = true,
             ExrLayer::Normal => layers.normal = true,
             ExrLayer::Albedo => layers.albedo = true,
+            ExrLayer::Samples => layers.samples = true,
         }
     }
     Some(layers)

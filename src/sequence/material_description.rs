@@ -14,6 +14,8 @@ pub type MeshMaterials = Rc<[(String, MaterialDescription)]>;
 #[derive(Clone, Default)]
 pub struct MaterialDescription {
     pub color: Option<TextureTracks>,
+    /// What cuts holes by its alpha. It multiplies the colour.
+    pub mask: Option<TextureTracks>,
     pub emission: LobeDescription,
     pub ambient: LobeDescription,
     pub diffuse: LobeDescription,
@@ -72,6 +74,10 @@ impl MaterialDescription {
     pub fn over(&self, default: &Self) -> MaterialTracks {
         let base = self.color.clone().or_else(|| default.color.clone());
         let base = base.unwrap_or(Rgb::splat(0.8).into());
+        let base = match &self.mask {
+            Some(mask) => TextureTracks::Product(Box::new([base, mask.clone()])),
+            None => base,
+        };
         let white = TextureTracks::from(Rgb::ONE);
         let lobe = |own: fn(&Self) -> &LobeDescription, strength: f64, tint: &TextureTracks| {
             let (own, other) = (own(self), own(default));

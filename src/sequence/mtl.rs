@@ -23,7 +23,7 @@ pub fn mesh_materials(node: Node<'_>, place: &Range<usize>, mesh: &TriangleMesh)
     let color = mesh.has_colors().then_some(TextureTracks::VertexColor);
     let bare = MaterialDescription { color, ..MaterialDescription::default() };
     let Aabb { min, max } = mesh.bounds();
-    let images = MtlImageReader { node, place, diagonal: (max - min).length() };
+    let images = MtlImageReader { node, place, diagonal: (max - min).length(), masks: Default::default() };
     let slots = mesh.materials().iter().map(|material| {
         let images = images.read(material)?;
         Some((material.name.clone(), translated(material, images, &bare)))
@@ -40,11 +40,8 @@ pub fn mesh_materials(node: Node<'_>, place: &Range<usize>, mesh: &TriangleMesh)
 /// refract, 7 with Fresnel's equations.
 fn translated(material: &MtlMaterial, images: MtlImages, bare: &MaterialDescription) -> MaterialDescription {
     let own = material.diffuse.map(|color| color.max(Rgb::ZERO));
-    let mut color = paint(&images.diffuse, own).or_else(|| bare.color.clone());
-    if let Some(opacity) = &images.opacity {
-        let base = color.unwrap_or(Rgb::splat(0.8).into());
-        color = Some(TextureTracks::Product(Box::new([base, opacity.clone()])));
-    }
+    let color = paint(&images.diffuse, own).or_else(|| bare.color.clone());
+    let mask = images.opacity.clone();
     let coat = material.coat.map(|coat| ScalarTextureTracks::Constant(f64::from(coat).into()));
     let coat_roughness =
         material.coat_roughness.map(|rough| ScalarTextureTracks::Constant(f64::from(rough).into()));
@@ -57,7 +54,7 @@ fn translated(material: &MtlMaterial, images: MtlImages, bare: &MaterialDescript
         true => with_microfacets(material, images, color),
         false => by_model(material, &images, color, bare),
     };
-    MaterialDescription { relief, coat: coat.or(surface.coat), coat_roughness, ..surface }
+    MaterialDescription { relief, mask, coat: coat.or(surface.coat), coat_roughness, ..surface }
 }
 
 /// An image in a colour. None without both.

@@ -9,8 +9,11 @@ use crate::appearance::texture::{
     TextureTracks, Wrap,
 };
 use crate::base::color::Rgb;
-use crate::base::math::DVec2;
+use crate::base::math::{DVec2, DVec3};
 use crate::geometry::mesh::{Map, MapChannel, MapUse, MtlMaterial};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::path::Path;
 
@@ -39,6 +42,8 @@ pub struct MtlImageReader<'a, 's> {
     pub place: &'a Range<usize>,
     /// The diagonal of the box around the mesh.
     pub diagonal: f64,
+    /// The masks so far, by the files of their images and their channels: materials often share one.
+    pub masks: RefCell<HashMap<(String, MapChannel), SharedAsset<Image>>>,
 }
 
 impl MtlImageReader<'_, '_> {
@@ -71,12 +76,20 @@ impl MtlImageReader<'_, '_> {
             Some(map) => Some(self.diffuse(&material.name, map)?),
             None => None,
         };
+        let normals = |map: &Map, image| {
+            if map.strength < 0.0 {
+                let warning =
+                    format!("left out of the mesh: the negative `-bm` of the normals {:?}", name(map));
+                self.node.file.warn(self.place.start, warning);
+            }
+            normals(map, image)
+        };
         let own_normals =
             || other(MapUse::Normal, ColorEncoding::Linear).map(|(map, image)| normals(map, image));
         let bump = || {
             let (map, image) = other(MapUse::Bump, ColorEncoding::Linear)?;
             // Several exporters write maps of normals under the name of maps of heights.
-            if !image.is_grey() {
+            if shows_normals(&image) {
                 return Some(normals(map, image));
             }
             let height = TextureTracks::Image(Box::new(tracks(map, image, false)));
@@ -87,7 +100,8 @@ impl MtlImageReader<'_, '_> {
             ambient: color(MapUse::Ambient),
             specular: color(MapUse::Specular),
             emission: color(MapUse::Emission),
-            opacity: other(MapUse::Opacity, ColorEncoding::Linear).and_then(|(map, image)| mask(map, &image)),
+            opacity: other(MapUse::Opacity, ColorEncoding::Linear)
+                .and_then(|(map, image)| self.mask(map, &image)),
             roughness: level(MapUse::Roughness),
             metallic: level(MapUse::Metallic),
             relief: own_normals().or_else(bump),
@@ -96,6 +110,18 @@ impl MtlImageReader<'_, '_> {
 
     fn image(&self, map: &Map, encoding: ColorEncoding) -> Result<SharedAsset<Image>, String> {
         self.node.file.images.image(&map.file, encoding).map_err(|why| why.to_string())
+    }
+
+    /// White, with a channel of an image as its alpha: that of `-imfchan`, its alpha if it has any, or else its mean.
+    fn mask(&self, map: &Map, image: &Image) -> Option<TextureTracks> {
+        let otherwise = if image.has_alpha() { MapChannel::Alpha } else { MapChannel::Grey };
+        let channel = map.channel.unwrap_or(otherwise);
+        let mut masks = self.masks.borrow_mut();
+        let mask = match masks.entry((map.file.clone(), channel)) {
+            Entry::Occupied(known) => known.get().clone(),
+            Entry::Vacant(new) => new.insert(SharedAsset::new(white_with(image, channel)?)).clone(),
+        };
+        Some(TextureTracks::Image(Box::new(tracks(map, mask, true))))
     }
 
     /// The image of the colour, whose alpha cuts holes.
@@ -150,12 +176,24 @@ fn normals(map: &Map, image: SharedAsset<Image>) -> ReliefTracks {
     }
 }
 
-/// A white image whose alpha is a channel of another one: that of `-imfchan`, its alpha if it has any, or else its mean.
-fn mask(map: &Map, image: &Image) -> Option<TextureTracks> {
-    let otherwise = if image.has_alpha() { MapChannel::Alpha } else { MapChannel::Grey };
-    let channel = map.channel.unwrap_or(otherwise);
-    let places = (0..image.height()).flat_map(|y| (0..image.width()).map(move |x| (x, y)));
-    let alpha = places.map(|(x, y)| {
+/// Whether an image holds normals: most of them point away from the surface, which is blue.
+fn shows_normals(image: &Image) -> bool {
+    let sum: DVec3 = texels(image).map(|(x, y)| image.texel(x, y).as_dvec3()).sum();
+    let mean = sum / (f64::from(image.width()) * f64::from(image.height()));
+    mean.z > mean.x.max(mean.y) + BLUE
+}
+
+/// How much more blue than red and green is in the mean of normals. Level normals have 0.5.
+const BLUE: f64 = 0.15;
+
+fn texels(image: &Image) -> impl Iterator<Item = (u32, u32)> {
+    let width = image.width();
+    (0..image.height()).flat_map(move |y| (0..width).map(move |x| (x, y)))
+}
+
+/// A white image whose alpha is a channel of another one.
+fn white_with(image: &Image, channel: MapChannel) -> Option<Image> {
+    let alpha = texels(image).map(|(x, y)| {
         let texel = image.texel(x, y);
         match channel {
             MapChannel::Red => texel.x,
@@ -167,8 +205,7 @@ fn mask(map: &Map, image: &Image) -> Option<TextureTracks> {
         .clamp(0.0, 1.0)
     });
     let alpha: Vec<f32> = alpha.collect();
-    let white = Image::new(image.width(), image.height(), vec![Rgb::ONE; alpha.len()])?.with_alpha(alpha)?;
-    Some(TextureTracks::Image(Box::new(tracks(map, SharedAsset::new(white), true))))
+    Image::new(image.width(), image.height(), vec![Rgb::ONE; alpha.len()])?.with_alpha(alpha)
 }
 
 /// In MTL files, a larger scale shows more of the image, and the offset points from the surface to the image.
@@ -186,7 +223,6 @@ fn placement(Map { scale, offset, .. }: &Map) -> TextureMappingTracks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::math::DVec3;
     use crate::base::time::Time;
     use crate::import;
 

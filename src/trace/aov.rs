@@ -32,7 +32,8 @@ impl RecordedSurface {
 
     /// Whether surfaces with these lobes are recorded. Paths go on from the others.
     fn includes(self, lobes: LobeSet) -> bool {
-        self == Self::Visible || lobes.has(LobeSet::SAMPLED | LobeSet::EMISSION)
+        let scattering = LobeSet::DIFFUSE | LobeSet::FUZZ | LobeSet::MICROFACET | LobeSet::EMISSION;
+        self == Self::Visible || lobes.has(scattering)
     }
 }
 

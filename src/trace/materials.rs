@@ -127,9 +127,10 @@ impl Column {
     pub const ROUGHNESS: Self = Self(27);
     pub const COAT: Self = Self(28);
     pub const COAT_ROUGHNESS: Self = Self(29);
+    pub const HOLE: Self = Self(30);
 }
 
-const COLUMNS: usize = 30;
+const COLUMNS: usize = 31;
 
 /// The lobes of all materials, or those of the points in lanes if textures vary them.
 #[derive(Clone, Debug, Default)]
@@ -175,6 +176,7 @@ impl LobeTable {
             (LobeSet::MICROFACET, Column::ROUGHNESS, lobes.roughness),
             (LobeSet::COAT, Column::COAT, lobes.coat.share),
             (LobeSet::COAT, Column::COAT_ROUGHNESS, lobes.coat.roughness),
+            (LobeSet::COAT, Column::HOLE, lobes.coat.hole),
         ];
         for (lobe, Column(column), number) in numbers {
             if wanted.has(lobe) {

@@ -3,7 +3,7 @@
 //! A shadow ray keeps its origin and meets surfaces in their order along the ray. So it meets none twice, and several
 //! surfaces in one place all count.
 
-use super::bsdf::passed_by_coat;
+use super::bsdf::{passed_by_coat, passed_through};
 use super::coincident::{Events, NO_EVENT};
 use super::context::{Queue, TraceContext};
 use super::interaction::SurfaceInteraction;
@@ -230,7 +230,7 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
         if lobes.has(LobeSet::COAT) {
             let cosine = direction.dot(surface.surface.normal).abs();
             passed = passed_by_coat::<L::F64>(table.number(Column::COAT, rows.at()), cosine);
-            transparency = transparency * passed;
+            transparency = passed_through(transparency, passed, table.number(Column::HOLE, rows.at()));
         }
         let refracts = L::Mask::from_bits(refracts);
         if !refracts.any() {

@@ -6,7 +6,7 @@ use kinora::film::{AovSet, Film};
 use kinora::sequence::Sequence;
 
 fn shoot_covered(sequence: &Sequence) -> Film {
-    shoot_extra(sequence, AovSet { coverage: true, features: false, guides: false })
+    shoot_extra(sequence, AovSet { coverage: true, features: false, guides: false, samples: false })
 }
 
 /// The film of a frame with its coverage, as PNGs show it.
@@ -67,7 +67,8 @@ fn aovs_record_first_hits_and_do_not_change_the_light() {
         objects: { "a": (shape: Box(min: (0.5, -9, -1), max: (9, 9, 2)), material: (color: 1, diffuse: 0.5, mirror: 0.1)) })"#,
     );
     let plain = &shoot(&sequence, [0])[0].film;
-    let film = shoot_extra(&sequence, AovSet { coverage: false, features: true, guides: false });
+    let film =
+        shoot_extra(&sequence, AovSet { coverage: false, features: true, guides: false, samples: false });
     assert_eq!(plain.radiance().collect::<Vec<_>>(), film.radiance().collect::<Vec<_>>());
     let (nothing, board) =
         (film.features_at(9 * 4).expect("features"), film.features_at(9 * 4 + 7).expect("features"));

@@ -188,12 +188,12 @@ fn buffers_and_images_may_be_files_within_the_root() {
 fn check_names_what_is_left_out() {
     let folder = folder();
     let mut file = square(json!({}), PLAIN, &[]);
-    file.json["materials"][0]["extensions"] = json!({ "KHR_materials_clearcoat": {} });
+    file.json["materials"][0]["extensions"] = json!({ "KHR_materials_sheen": {} });
     fs::write(folder.path().join("robot.glb"), file.glb()).expect("a disk");
     let text = "(objects: {\n    \"robot\": (shape: Scene(\"robot.glb\")),\n})";
     fs::write(folder.path().join("scene.ron"), text).expect("a disk");
     let printed = kinora(folder.path(), &["check", "scene.ron"]);
-    let note = "note: scene.ron:2: left out of the scene: KHR_materials_clearcoat of 1 material";
+    let note = "note: scene.ron:2: left out of the scene: KHR_materials_sheen of 1 material";
     assert!(printed.contains(note), "{printed}");
     assert!(printed.contains("2 objects with 2 triangles"), "{printed}");
 }

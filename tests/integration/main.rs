@@ -5,6 +5,7 @@
     reason = "a test that panics has done its work; clippy knows only `#[test]`"
 )]
 
+mod coat;
 mod command;
 mod support;
 

@@ -349,7 +349,8 @@ fn smooth_mirrors_reflect_by_interpolated_normals() {
         mirror_ball()
     );
     let sequence = sequence(&text);
-    let film = shoot_extra(&sequence, AovSet { coverage: false, features: true, guides: false });
+    let film =
+        shoot_extra(&sequence, AovSet { coverage: false, features: true, guides: false, samples: false });
     let toward = -DVec3::new(0.3, 0.2, 4.0).normalize();
     let up = DVec3::new(0.3, 1.0, -0.2).normalize();
     let mut off = Vec::new();

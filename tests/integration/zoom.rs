@@ -286,7 +286,7 @@ fn aovs_belong_to_the_frame() {
     let mut sequence =
         grid_scene("antialias: 8", "path: Keys(target: [(0, (-2, 0.7, 0)), (3, (1, 0.9, 0))])", 4);
     sequence.output.transparent = true;
-    let aovs = AovSet { coverage: true, features: true, guides: false };
+    let aovs = AovSet { coverage: true, features: true, guides: false, samples: false };
     let of = |reuse| {
         let mut frames = frame_loop(&with_reuse(&sequence, reuse), aovs);
         (0..4).try_for_each(|frame| frames.frame(frame)).unwrap_or_else(|fault| panic!("{fault:?}"));

@@ -180,6 +180,9 @@ fn largest(color: Rgb) -> f64 {
     f64::from(color.max_element())
 }
 
+/// What a coat reflects from most directions.
+const COATED: f64 = 0.04;
+
 /// Rougher microfacet surfaces count as diffuse.
 const ROUGH: f32 = 0.4;
 
@@ -203,12 +206,13 @@ fn sample_scatter(
 ) -> Option<ScatterSample> {
     let lobes = &material.lobes;
     let glossy = if is_glossy(material) { f64::from(lobes.microfacet) * largest(lobes.base) } else { 0.0 };
+    let coat = COATED * f64::from(lobes.coat.share);
     let mirror = largest(lobes.mirror);
     let (transmitted, refracted) = (largest(lobes.transparency), largest(lobes.refraction));
     let weights = [
         (ScatterKind::Scattered, diffuse_albedo(material)),
         (ScatterKind::Mirrored, mirror),
-        (ScatterKind::Glossy, glossy),
+        (ScatterKind::Glossy, glossy + coat),
         (ScatterKind::Transmitted, transmitted),
         (ScatterKind::Refracted, refracted),
     ];
@@ -234,7 +238,8 @@ fn sample_scatter(
         }
         ScatterKind::Glossy => {
             let frame = LocalFrame::<f64>::from_z(normal.into());
-            let roughness = f64::from(lobes.roughness);
+            let roughness = if lobes.microfacet > 0.0 { lobes.roughness } else { lobes.coat.roughness };
+            let roughness = f64::from(roughness);
             let mirrors = Microfacet { alpha: (roughness * roughness).max(1e-4) };
             let half = frame.to_world(mirrors.sample(frame.to_local((-incoming).into()), u, v));
             reflect::<f64>(incoming.into(), half).into()

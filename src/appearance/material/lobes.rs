@@ -46,6 +46,8 @@ pub struct Coat {
     pub share: f32,
     /// How rough it is.
     pub roughness: f32,
+    /// The share of the point that is a hole in the surface, which textures cut; the coat leaves it open.
+    pub hole: f32,
 }
 
 /// Lobes without a coat have the digest that they had before there was any.
@@ -126,7 +128,7 @@ impl Lobes {
             transparency: self.transparency * share + (1.0 - share),
             refraction: self.refraction * share,
             microfacet: self.microfacet * share,
-            coat: Coat { share: self.coat.share * share, ..self.coat },
+            coat: Coat { hole: 1.0 - share * (1.0 - self.coat.hole), ..self.coat },
             ..self
         }
     }

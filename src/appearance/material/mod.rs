@@ -172,7 +172,13 @@ impl Material {
     /// Whether textures matter for a path that may be reflected or refracted `left` more times. If `left` is 0, only
     /// emission and straight transmission matter.
     pub fn is_textured(&self, left: u32) -> bool {
-        let passed = [TextureSlot::Emission, TextureSlot::Transparency, TextureSlot::Coverage];
+        let passed = [
+            TextureSlot::Emission,
+            TextureSlot::Transparency,
+            TextureSlot::Refraction,
+            TextureSlot::Coverage,
+            TextureSlot::Coat,
+        ];
         let matters = |slots: &[TextureSlot]| left > 0 || slots.iter().any(|slot| passed.contains(slot));
         self.textures.iter().any(|(slots, _)| matters(slots))
     }

@@ -88,11 +88,6 @@ impl Image {
         self.alpha.is_some()
     }
 
-    /// Whether it has no colours.
-    pub fn is_grey(&self) -> bool {
-        self.texels.iter().all(|texel| texel.x == texel.y && texel.y == texel.z)
-    }
-
     /// The colour of an opaque image that is the same everywhere.
     pub fn constant(&self) -> Option<Rgb> {
         (self.is_uniform && self.alpha.is_none()).then(|| self.texels[0])

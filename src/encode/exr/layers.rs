@@ -19,6 +19,9 @@ pub const NORMAL: &str = "N";
 /// The name of the layer of albedo.
 pub const ALBEDO: &str = "albedo";
 
+/// The name of the layer of light before it was denoised.
+pub const SAMPLES: &str = "samples";
+
 /// The layers besides the picture.
 pub struct ExtraLayers<'a> {
     pub requested: ExrLayers,
@@ -46,6 +49,9 @@ pub fn write_layers(
         for (layer, name) in names.iter().enumerate().take(film.weights.len()) {
             list.extend(builder.colors(&format!("{name}."), |pixel| film.radiance_of(pixel, layer)));
         }
+    }
+    if layers.samples {
+        list.extend(builder.colors(&format!("{SAMPLES}."), |pixel| film.samples_at(pixel)));
     }
     list.extend(builder.feature_channels(layers));
     if let Some(drawn) = annotations {

@@ -6,6 +6,7 @@ use crate::encode::settings::ExrLayers;
 use crate::film::AovSet;
 use exr::prelude::read_first_rgba_layer_from_file;
 use std::fs;
+use std::sync::Arc;
 
 /// Two layers with values of all kinds. The height is not a multiple of the rows of a block.
 fn film() -> Film {
@@ -49,14 +50,15 @@ fn channels(path: &Path) -> Vec<(String, Vec<f32>)> {
 fn layers_of_light_add_up_and_features_follow() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("a.exr");
-    let aovs = AovSet { coverage: true, features: true, guides: false };
+    let aovs = AovSet { coverage: true, features: true, guides: false, samples: false };
     let mut film = Film::with_aovs(3, 2, vec![Rgb::ONE, Rgb::new(0.5, 2.0, 0.0)], aovs);
     for (i, value) in film.data_mut().iter_mut().enumerate() {
         *value = Rgb::new(i as f32, 0.5, 0.25) / 32.0;
     }
     // The first pixel hits nothing.
     film.data_mut()[3..6].fill(Rgb::ZERO);
-    let layers = ExrLayers { lights: true, depth: true, normal: true, albedo: true };
+    film.samples = Some(Arc::new([Rgb::splat(0.25), Rgb::splat(3.0)].repeat(6)));
+    let layers = ExrLayers { lights: true, depth: true, normal: true, albedo: true, samples: true };
     let names = ["constant".to_owned(), "key".to_owned()];
     write(
         &path,
@@ -87,6 +89,9 @@ fn layers_of_light_add_up_and_features_follow() {
         "key.B",
         "key.G",
         "key.R",
+        "samples.B",
+        "samples.G",
+        "samples.R",
     ];
     assert_eq!(order, expected);
     let value = |name: &str, pixel: usize| {
@@ -99,6 +104,8 @@ fn layers_of_light_add_up_and_features_follow() {
         }
         assert_eq!(value("A", pixel), film.alpha_at(pixel));
     }
+    // The weights of the layers hold for samples, too.
+    assert_eq!(["R", "G", "B"].map(|channel| value(&format!("samples.{channel}"), 4)), [1.75, 6.25, 0.25]);
     assert_eq!((value("Z", 0), value("N.X", 0)), (NO_DEPTH, 0.0));
     assert_eq!(Some(value("Z", 1)), film.features_at(1).and_then(|features| features.depth));
 }
@@ -108,7 +115,7 @@ fn values_above_the_half_range_are_clamped() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("a.exr");
     for (coverage, lights) in [(false, false), (true, false), (false, true)] {
-        let aovs = AovSet { coverage, features: false, guides: false };
+        let aovs = AovSet { coverage, features: false, guides: false, samples: false };
         let mut film = Film::with_aovs(2, 1, vec![Rgb::ONE], aovs);
         film.data_mut()[0] = Rgb::new(65_519.0, 65_520.0, f32::INFINITY);
         let layers = ExrLayers { lights, ..ExrLayers::default() };
@@ -130,7 +137,7 @@ fn half_floats_have_half_the_precision() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("a.exr");
     for coverage in [false, true] {
-        let aovs = AovSet { coverage, features: false, guides: false };
+        let aovs = AovSet { coverage, features: false, guides: false, samples: false };
         let mut film = Film::with_aovs(2, 1, vec![Rgb::ONE], aovs);
         film.data_mut()[0] = Rgb::new(0.1, 1.0, 1000.3);
         write(

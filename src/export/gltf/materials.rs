@@ -121,7 +121,7 @@ impl Exporter<'_> {
         tracks: &MaterialTracks,
         material: &Material,
     ) {
-        let Coat { share, roughness } = material.lobes.coat;
+        let Coat { share, roughness, .. } = material.lobes.coat;
         if share == 0.0 {
             return;
         }

@@ -75,6 +75,11 @@ pub fn denoise(films: &SampleFilms, samples: f64) -> Film {
             *value = (first.pixel(pixel)[layer] + second.pixel(pixel)[layer]) * 0.5;
         }
     });
+    film.samples = aovs.samples.then(|| {
+        let pixels = 0..first.width as usize * first.height as usize;
+        let halves = |pixel| first.pixel(pixel)[..lights].iter().zip(second.pixel(pixel));
+        Arc::new(pixels.flat_map(halves).map(|(one, other)| (*one + *other) * 0.5).collect())
+    });
     let remaining = RemainingError::measure(&film, &films.audits, samples);
     film.noise = Some(remaining.of(&film.weights));
     film.remaining = Some(Arc::new(remaining));

@@ -106,6 +106,30 @@ fn denoised_films_converge() {
     assert!(squared_error(&films.denoise(), &weights) < 1e-12);
 }
 
+/// Glints that no guide shows, and too faint to be told from noise one by one, are not filtered away: the audits show that
+/// samples are better there.
+#[test]
+fn faint_glints_remain() {
+    const GLINT: f32 = 2.2;
+    let is_glint = |pixel: usize| (pixel * 7 + pixel / 64 * 3).is_multiple_of(29);
+    let mut films = noisy(1, 0.4, 5);
+    for film in &mut films.0 {
+        let count = film.layers();
+        let pixels = film.data_mut().chunks_exact_mut(count).enumerate();
+        pixels.filter(|(pixel, _)| is_glint(*pixel)).for_each(|(_, data)| data[0] *= GLINT);
+    }
+    let error = |film: &Film| -> f32 {
+        let glints = (0..(SIZE.0 * SIZE.1) as usize).filter(|pixel| is_glint(*pixel));
+        let square = |pixel: usize| {
+            let exact = truth(pixel as u32 % SIZE.0, pixel as u32 / SIZE.0, 0) * GLINT;
+            (film.radiance_at(pixel) - exact).length_squared()
+        };
+        glints.map(square).sum()
+    };
+    let (before, after) = (error(&films.samples_alone()), error(&films.denoise()));
+    assert!(after < 1.2 * before, "{before} {after}");
+}
+
 /// The estimates are the true squared errors on average, and the intervals hold them, with any weights.
 #[test]
 fn the_stated_error_is_true() {
@@ -140,6 +164,15 @@ fn the_stated_error_is_true() {
         assert!(within < 0.1 * before / runs, "{noise}: {sum} {squares} {before}");
         assert!(held >= 54, "{noise}: {held} of {RUNS}");
     }
+}
+
+#[test]
+fn samples_are_kept_if_asked_for() {
+    let mut films = noisy(2, 0.5, 6);
+    assert_eq!(films.denoise().samples, None);
+    films.0.iter_mut().for_each(|film| film.aovs.samples = true);
+    let (film, alone) = (films.denoise(), films.samples_alone());
+    assert!((0..(SIZE.0 * SIZE.1) as usize).all(|pixel| film.samples_at(pixel) == alone.radiance_at(pixel)));
 }
 
 #[test]

@@ -32,7 +32,7 @@ impl Change {
         if !(moved.is_finite() && wrong.is_finite() && moved > 0.0) {
             return Self::default();
         }
-        // Plain noise is in the third class.
+        // A class begins at every fourth of the square, and the fourth class at the noise around the pixel.
         let class = (moved / noise).log2() * 0.5 + 3.0;
         Self { moved, wrong, class: class.clamp(0.0, (CLASSES - 1) as f32) as u8 }
     }
@@ -43,8 +43,9 @@ pub struct Trust([[f32; CLASSES]; 2]);
 
 impl Trust {
     /// If the filtered light F and the samples M mix to F + w (M - F), the squared error is least where w is the mean of
-    /// (F - M) (F - T) divided by that of (F - M)². The mean of the audits is the truth T with independent noise, which
-    /// leaves the first mean as it is. It is reduced by how much it may be due to chance.
+    /// (F - M) (F - T) divided by that of (F - M)²; both relative to the light, as the choice of candidates is. The mean of
+    /// the audits is the truth T with independent noise, which leaves the first mean as it is. It is reduced by how much it
+    /// may be due to chance.
     pub fn new(width: usize, changes: &[Change]) -> Self {
         let mut sums = [[Sums::default(); CLASSES]; 2];
         for (pixel, change) in changes.iter().enumerate() {
@@ -55,7 +56,8 @@ impl Trust {
 
     /// The share of samples at a pixel.
     pub fn samples(&self, pixel: usize, width: usize, change: &Change) -> f32 {
-        self.0[color(pixel, width)][usize::from(change.class)]
+        // Light that overflows has no change that can be measured.
+        if change.moved == 0.0 { 0.0 } else { self.0[color(pixel, width)][usize::from(change.class)] }
     }
 }
 

@@ -62,7 +62,7 @@ pub enum MapUse {
 }
 
 /// The channel of an image that holds a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MapChannel {
     Red,
     Green,

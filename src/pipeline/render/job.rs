@@ -7,6 +7,7 @@ use crate::pipeline::drawings::drawings;
 use crate::pipeline::plan::{FrameStates, evaluate};
 use crate::pipeline::schedule::FrameState;
 use crate::sequence::Sequence;
+use crate::sequence::quality::Denoise;
 use crate::sequence::quality::{NoiseTarget, Quality};
 
 /// The quality of frames that an earlier run with the same time limit rendered. None if no valid frame exists that
@@ -58,6 +59,8 @@ pub(crate) fn job(sequence: &Sequence, request: &Request, states: &FrameStates) 
 /// The layers besides light that these outputs need.
 pub(crate) fn requested_aovs(sequence: &Sequence, outputs: &[Output]) -> AovSet {
     let exr = outputs.iter().any(|output| matches!(output, Output::Stills(StillFormat::Exr, _)));
-    let features = exr && sequence.output.formats.exr.layers.need_features();
-    AovSet { coverage: sequence.output.transparent, features, guides: false }
+    let layers = sequence.output.formats.exr.layers;
+    let samples = exr && layers.samples && sequence.quality.denoise != Denoise::Off;
+    let features = exr && layers.need_features();
+    AovSet { coverage: sequence.output.transparent, features, guides: false, samples }
 }

@@ -12,8 +12,13 @@ impl Sequence {
             notes.push("the alpha of the images of `background` is ignored: skies have none".to_owned());
         }
         for Named { name, value } in self.used_materials() {
-            let levels =
-                [("fuzz", &value.fuzz), ("metallic", &value.metallic), ("roughness", &value.roughness)];
+            let levels = [
+                ("fuzz", &value.fuzz),
+                ("metallic", &value.metallic),
+                ("roughness", &value.roughness),
+                ("coat", &value.coat),
+                ("coat_roughness", &value.coat_roughness),
+            ];
             let textured = |level: &ScalarTextureTracks| matches!(level, ScalarTextureTracks::Textured(paint) if paint.has_alpha());
             let fields: Vec<_> =
                 levels.iter().filter(|(_, level)| textured(level)).map(|(name, _)| *name).collect();

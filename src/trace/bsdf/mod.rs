@@ -58,6 +58,12 @@ pub fn passed_by_coat<F: Real>(strength: F::F32, cosine: F) -> F::F32 {
     Metallic::<F>::coat(strength, F::F32::splat(0.0)).passed(cosine)
 }
 
+/// What passes straight through a coated surface: of the share that passes without the coat, `hole` does not meet it.
+#[inline(always)]
+pub fn passed_through<S: Single>(transparency: Color<S>, passed: S, hole: S) -> Color<S> {
+    transparency * passed + Color::grey(hole * (S::splat(1.0) - passed))
+}
+
 /// Rows of a lobe table, for materials with these lobes.
 struct Rows<'a> {
     lobes: LobeSet,
@@ -164,10 +170,9 @@ impl<'a, F: Real> Bsdf<'a, F> {
             coat: Metallic::none(),
         };
         if lobes.has(LobeSet::COAT) {
-            bsdf.cover(Metallic::coat(
-                table.number(Column::COAT, at),
-                table.number(Column::COAT_ROUGHNESS, at),
-            ));
+            let [share, roughness, hole] =
+                [Column::COAT, Column::COAT_ROUGHNESS, Column::HOLE].map(|column| table.number(column, at));
+            bsdf.cover(Metallic::coat(share, roughness), hole);
         }
         bsdf
     }
@@ -175,12 +180,15 @@ impl<'a, F: Real> Bsdf<'a, F> {
     /// Lays a coat over all lobes. It takes the light from them that it reflects to the eye as a smooth surface
     /// (`KHR_materials_clearcoat`, "layering").
     #[inline(always)]
-    fn cover(&mut self, coat: Metallic<F>) {
+    fn cover(&mut self, coat: Metallic<F>, hole: F::F32) {
         let passed = coat.passed(self.normal.dot(self.to_eye));
+        let surface = F::F32::splat(1.0) - hole;
         self.coat = coat;
+        self.coat.strength = coat.strength * surface;
         self.metallic.strength = self.metallic.strength * passed;
-        let Self { diffuse, specular, mirror, transparency, refraction, .. } = self;
-        for lobe in [diffuse, specular, mirror, transparency, refraction] {
+        self.transparency = passed_through(self.transparency, passed, hole);
+        let Self { diffuse, specular, mirror, refraction, .. } = self;
+        for lobe in [diffuse, specular, mirror, refraction] {
             *lobe = *lobe * passed;
         }
     }

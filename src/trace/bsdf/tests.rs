@@ -87,7 +87,7 @@ fn diffuse_follows_the_cosine() {
 
 /// A coat of varnish over a white surface.
 fn coated(share: f32, roughness: f32) -> Material {
-    let lobes = Lobes { diffuse: Rgb::ONE, coat: Coat { share, roughness }, ..Lobes::default() };
+    let lobes = Lobes { diffuse: Rgb::ONE, coat: Coat { share, roughness, hole: 0.0 }, ..Lobes::default() };
     Material { lobes, ..material(Highlight::Phong, 1.0) }
 }
 

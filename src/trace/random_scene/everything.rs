@@ -43,7 +43,12 @@ impl RandomScene {
             scene.quality.integrator = Integrator::Whitted;
             scene.quality.bounces = scene.quality.bounces.min(2);
         }
-        scene.aovs = AovSet { coverage: random.unit() < 0.3, features: random.unit() < 0.3, guides: false };
+        scene.aovs = AovSet {
+            coverage: random.unit() < 0.3,
+            features: random.unit() < 0.3,
+            guides: false,
+            samples: false,
+        };
         scene
     }
 
@@ -84,7 +89,7 @@ fn vary(material: &mut Material, random: &mut Random) {
         _ => return,
     }
     if random.unit() < 0.3 {
-        material.lobes.coat = Coat { share: 0.8, roughness: one_of(random, &[0.0, 0.2]) };
+        material.lobes.coat = Coat { share: 0.8, roughness: one_of(random, &[0.0, 0.2]), hole: 0.0 };
     }
     material.fresnel = one_of(random, &[Fresnel::Off, Fresnel::Exact, Fresnel::Schlick]);
 }
