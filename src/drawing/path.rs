@@ -43,6 +43,8 @@ pub fn stroke(lines: &[Line], width: f64, size: (u32, u32), scratch: &mut Scratc
     covered(&lines, false, 0.5 * width, size, style, scratch)
 }
 
+/// Adds a path through points. They are clipped near the picture, where f32 suffices: at 8192 pixels its steps are 1/1024
+/// of one.
 fn push(commands: &mut Vec<Command>, points: &[DVec2], closed: bool) {
     let point = |point: &DVec2| Vector::new(point.x as f32, point.y as f32);
     let Some((first, rest)) = points.split_first() else { return };

@@ -42,7 +42,7 @@ fn shared(folder: &Path) -> Result<Report, EncodeError> {
 }
 
 fn film(frame: u32) -> Film {
-    let aovs = crate::film::AovSet { coverage: true, features: false, guides: false, samples: false };
+    let aovs = crate::film::AovSet::of_picture(true);
     let mut film = Film::with_aovs(SIZE.0, SIZE.1, vec![Rgb::ONE], aovs);
     for (place, value) in film.data_mut().iter_mut().enumerate() {
         *value = Rgb::splat(frame as f32 * 0.01 + place as f32 * 0.02);

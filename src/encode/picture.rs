@@ -125,6 +125,7 @@ impl<C: Code> Canvas for Picture<C> {
     fn blend(&mut self, pixel: usize, color: [f64; 3], opacity: f64) {
         let codes = &mut self.rgb[3 * pixel..3 * pixel + 3];
         let Some(alpha) = &mut self.alpha else {
+            // What is below is there as a whole, so that nothing needs to be divided.
             let below = 1.0 - opacity;
             for (code, shown) in codes.iter_mut().zip(color) {
                 *code = C::rounded(opacity * C::WHITE * shown + below * code.number());

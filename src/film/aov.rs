@@ -28,6 +28,11 @@ pub const GUIDES: usize = 3;
 
 #[warn(missing_docs)]
 impl AovSet {
+    /// What a picture needs besides light: coverage if its background is transparent.
+    pub fn of_picture(transparent: bool) -> Self {
+        Self { coverage: transparent, ..Self::default() }
+    }
+
     /// The number of their layers. They follow the layers of light.
     pub fn layers(self) -> usize {
         let features = if self.features { FEATURES } else { 0 };

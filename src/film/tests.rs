@@ -23,7 +23,7 @@ fn dark_layers_are_ignored() {
 
 #[test]
 fn aovs_follow_the_light() {
-    let aovs = AovSet { coverage: true, features: true, guides: false, samples: false };
+    let aovs = AovSet { coverage: true, features: true, ..AovSet::default() };
     let mut film = Film::with_aovs(1, 2, vec![Rgb::ONE; 2], aovs);
     let values = [0.25, 0.5, 0.75].map(Rgb::splat);
     let features = [Rgb::new(3.0, 0.5, 0.0), Rgb::new(0.0, 0.3, 0.4), Rgb::new(0.1, 0.2, 0.3)];

@@ -66,8 +66,7 @@ pub fn filmstrip(
     meter: &Arc<ProgressMeter>,
 ) -> Result<Summary, RenderError> {
     let start = Instant::now();
-    let aovs =
-        AovSet { coverage: sequence.output.transparent, features: false, guides: false, samples: false };
+    let aovs = AovSet::of_picture(sequence.output.transparent);
     let count = request.frames.len() as u32;
     let sheet = Sheet::size(count, request.columns, sequence.output.size, request.text.lines());
     MemoryUse::Filmstrip.check(memory::needed(sequence, aovs).saturating_add(memory::for_sheet(sheet)))?;

@@ -76,7 +76,7 @@ pub fn render_pictures(
     let start = Instant::now();
     let _ = meter.stop.set(stop.clone());
     let (frames, count) = (&request.frames, request.frames.len());
-    let aovs = AovSet { coverage: sequence.output.transparent, ..AovSet::default() };
+    let aovs = AovSet::of_picture(sequence.output.transparent);
     let pictures = memory::for_pictures(sequence, count, request.radiance);
     MemoryUse::Pictures.check(memory::needed(sequence, aovs).saturating_add(pictures))?;
     let pool = pool(request.threads)?;

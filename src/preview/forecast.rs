@@ -15,8 +15,7 @@ const GRIDS: [u32; 8] = [1, 2, 3, 4, 5, 6, 8, 10];
 /// A table of numbers of samples with the seconds and the error that they cost for all frames.
 pub fn forecast(sequence: &Sequence) -> Value {
     let frames: Vec<u32> = (0..sequence.timeline.frames).collect();
-    let aovs =
-        AovSet { coverage: sequence.output.transparent, features: false, guides: false, samples: false };
+    let aovs = AovSet::of_picture(sequence.output.transparent);
     let plan = Plan::new(sequence, &frames, aovs, Reuse::Share.budget(sequence, aovs));
     let outlook = run_pilot(sequence, &plan, aovs, PilotTime::PLAN, TimeSource::Machine);
     let quality = Quality { noise: None, ..sequence.quality };

@@ -15,8 +15,7 @@ pub fn spans(sequence: &Sequence, stop: &Stop) -> Option<Value> {
     if states.frames.len() < frames.len() {
         return None;
     }
-    let aovs =
-        AovSet { coverage: sequence.output.transparent, features: false, guides: false, samples: false };
+    let aovs = AovSet::of_picture(sequence.output.transparent);
     let plan = Plan::from_states(states, sequence, aovs, Reuse::Share.budget(sequence, aovs));
     let mut shared = vec![false; plan.films.len()];
     let mut film = 0;

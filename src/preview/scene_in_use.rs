@@ -57,12 +57,7 @@ impl SceneInUse {
 
     /// The world that traces, which is made when the first film needs it.
     pub fn tracer(&mut self) -> &mut ProgressiveLoop {
-        let aovs = AovSet {
-            coverage: self.sequence.output.transparent,
-            features: false,
-            guides: false,
-            samples: false,
-        };
+        let aovs = AovSet::of_picture(self.sequence.output.transparent);
         self.tracer.get_or_insert_with(|| ProgressiveLoop::new(&self.sequence, aovs))
     }
 

@@ -74,7 +74,7 @@ fn lobes(node: Node<'_>) -> Option<MaterialDescription> {
     let fresnel = fields.optional("fresnel", fresnel);
     let (ior, absorption, priority) = medium(&mut fields);
     let relief = relief(&mut fields);
-    let coated = coat(&mut fields, &MaterialDescription::default());
+    let coated = coat(&mut fields, MaterialDescription::default());
     fields.finish();
     Some(MaterialDescription {
         relief: relief?,
@@ -130,12 +130,11 @@ fn level(node: Node<'_>) -> Option<ScalarTextureTracks> {
     paint(node).map(ScalarTextureTracks::Textured)
 }
 
-/// Decodes `coat` and `coat_roughness`.
-fn coat(fields: &mut Fields<'_>, otherwise: &MaterialDescription) -> Option<MaterialDescription> {
+/// Decodes `coat` and `coat_roughness`, over a material.
+fn coat(fields: &mut Fields<'_>, over: MaterialDescription) -> Option<MaterialDescription> {
     let coat = fields.optional("coat", level);
     let coat_roughness = fields.optional("coat_roughness", level);
-    let otherwise = otherwise.clone();
-    Some(MaterialDescription { coat: coat?.or(otherwise.coat), coat_roughness: coat_roughness?, ..otherwise })
+    Some(MaterialDescription { coat: coat?.or(over.coat), coat_roughness: coat_roughness?, ..over })
 }
 
 fn fresnel(node: Node<'_>) -> Option<Fresnel> {
@@ -191,7 +190,7 @@ fn lambertian(node: Node<'_>) -> Option<MaterialDescription> {
     let mut fields = Fields::of(node, "`Lambertian`")?;
     let color = fields.or("color", paint, Rgb::splat(0.5));
     let relief = relief(&mut fields);
-    let coated = coat(&mut fields, &MaterialDescription::bare());
+    let coated = coat(&mut fields, MaterialDescription::bare());
     fields.finish();
     Some(MaterialDescription {
         relief: relief?,
@@ -207,7 +206,7 @@ fn metal(node: Node<'_>) -> Option<MaterialDescription> {
     let color = fields.or("color", paint, Rgb::splat(0.8));
     let fuzz = fields.or("fuzz", level, ScalarTextureTracks::Constant(0.0.into()));
     let relief = relief(&mut fields);
-    let coated = coat(&mut fields, &MaterialDescription::bare());
+    let coated = coat(&mut fields, MaterialDescription::bare());
     fields.finish();
     let mirror = LobeDescription { strength: Some(1.0.into()), tint: color.clone() };
     Some(MaterialDescription { relief: relief?, color: Some(color?), mirror, fuzz: Some(fuzz?), ..coated? })
@@ -246,7 +245,7 @@ fn metallic_roughness(node: Node<'_>) -> Option<MaterialDescription> {
     let emission = lobe(&mut fields, "emission", "emission_color");
     let ior = fields.optional("ior", keyed(positive));
     let relief = relief(&mut fields);
-    let coated = coat(&mut fields, &MaterialDescription::bare());
+    let coated = coat(&mut fields, MaterialDescription::bare());
     fields.finish();
     let (ambient, emission) = (ambient?, emission?);
     let dark =

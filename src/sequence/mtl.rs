@@ -2,7 +2,7 @@
 
 use super::fault::Fault;
 use super::material_description::{LobeDescription, MaterialDescription, MeshMaterials};
-use super::mtl_images::{MtlImageReader, MtlImages, level};
+use super::mtl_images::{MtlImageReader, MtlImages};
 use super::node::Node;
 use crate::appearance::material::{Highlight, ScalarTextureTracks};
 use crate::appearance::optics::Fresnel;
@@ -42,9 +42,8 @@ fn translated(material: &MtlMaterial, images: MtlImages, bare: &MaterialDescript
     let own = material.diffuse.map(|color| color.max(Rgb::ZERO));
     let color = paint(&images.diffuse, own).or_else(|| bare.color.clone());
     let mask = images.opacity.clone();
-    let coat = material.coat.map(|coat| ScalarTextureTracks::Constant(f64::from(coat).into()));
-    let coat_roughness =
-        material.coat_roughness.map(|rough| ScalarTextureTracks::Constant(f64::from(rough).into()));
+    let level = |number: f32| ScalarTextureTracks::scaled(None, number.into());
+    let (coat, coat_roughness) = (material.coat.map(level), material.coat_roughness.map(level));
     let relief = images.relief.clone();
     let microfacets = material.roughness.is_some()
         || material.metallic.is_some()
@@ -96,8 +95,8 @@ fn with_microfacets(
     MaterialDescription {
         color,
         microfacet: Some(opacity.into()),
-        metallic: Some(level(images.metallic, metallic)),
-        roughness: Some(level(images.roughness, roughness)),
+        metallic: Some(ScalarTextureTracks::scaled(images.metallic, metallic.into())),
+        roughness: Some(ScalarTextureTracks::scaled(images.roughness, roughness.into())),
         emission: emission.unwrap_or(bare.emission),
         transparency: if opacity < 1.0 { passing } else { bare.transparency },
         ior: material.ior.map(|ior| f64::from(ior).into()),

@@ -3,7 +3,7 @@
 use super::fault::Fault;
 use super::node::Node;
 use super::suggest::shortened;
-use crate::appearance::material::{ReliefTracks, ScalarTextureTracks};
+use crate::appearance::material::ReliefTracks;
 use crate::appearance::texture::{
     ColorChannel, ColorEncoding, Image, ImageTextureTracks, SharedAsset, TextureFilter, TextureMappingTracks,
     TextureTracks, Wrap,
@@ -76,21 +76,13 @@ impl MtlImageReader<'_, '_> {
             Some(map) => Some(self.diffuse(&material.name, map)?),
             None => None,
         };
-        let normals = |map: &Map, image| {
-            if map.strength < 0.0 {
-                let warning =
-                    format!("left out of the mesh: the negative `-bm` of the normals {:?}", name(map));
-                self.node.file.warn(self.place.start, warning);
-            }
-            normals(map, image)
-        };
-        let own_normals =
-            || other(MapUse::Normal, ColorEncoding::Linear).map(|(map, image)| normals(map, image));
+        let normals =
+            || other(MapUse::Normal, ColorEncoding::Linear).map(|(map, image)| self.normals(map, image));
         let bump = || {
             let (map, image) = other(MapUse::Bump, ColorEncoding::Linear)?;
             // Several exporters write maps of normals under the name of maps of heights.
             if shows_normals(&image) {
-                return Some(normals(map, image));
+                return Some(self.normals(map, image));
             }
             let height = TextureTracks::Image(Box::new(tracks(map, image, false)));
             Some(ReliefTracks::Bump { height, depth: (map.strength * BUMP_DEPTH * self.diagonal).into() })
@@ -104,12 +96,22 @@ impl MtlImageReader<'_, '_> {
                 .and_then(|(map, image)| self.mask(map, &image)),
             roughness: level(MapUse::Roughness),
             metallic: level(MapUse::Metallic),
-            relief: own_normals().or_else(bump),
+            relief: normals().or_else(bump),
         })
     }
 
     fn image(&self, map: &Map, encoding: ColorEncoding) -> Result<SharedAsset<Image>, String> {
         self.node.file.images.image(&map.file, encoding).map_err(|why| why.to_string())
+    }
+
+    /// A map of normals. A negative `-bm`, which would turn the relief inside out, leaves it flat, with a warning.
+    fn normals(&self, map: &Map, image: SharedAsset<Image>) -> ReliefTracks {
+        if map.strength < 0.0 {
+            let warning = format!("left out of the mesh: the negative `-bm` of the normals {:?}", name(map));
+            self.node.file.warn(self.place.start, warning);
+        }
+        let strength = map.strength.max(0.0).into();
+        ReliefTracks::NormalMap { map: TextureTracks::Image(Box::new(tracks(map, image, false))), strength }
     }
 
     /// White, with a channel of an image as its alpha: that of `-imfchan`, its alpha if it has any, or else its mean.
@@ -139,17 +141,6 @@ impl MtlImageReader<'_, '_> {
     }
 }
 
-/// The number of an image times a factor.
-pub fn level(image: Option<ImageTextureTracks>, factor: f32) -> ScalarTextureTracks {
-    match image {
-        Some(image) => {
-            let tinted = ImageTextureTracks { tint: Rgb::splat(factor).into(), ..image };
-            ScalarTextureTracks::Textured(TextureTracks::Image(Box::new(tinted)))
-        }
-        None => ScalarTextureTracks::Constant(f64::from(factor).into()),
-    }
-}
-
 /// The name of an image in messages.
 fn name(map: &Map) -> String {
     shortened(&Path::new(&map.file).file_name().unwrap_or_default().to_string_lossy())
@@ -168,32 +159,22 @@ fn tracks(map: &Map, image: SharedAsset<Image>, alpha: bool) -> ImageTextureTrac
     }
 }
 
-fn normals(map: &Map, image: SharedAsset<Image>) -> ReliefTracks {
-    let strength = map.strength.max(0.0);
-    ReliefTracks::NormalMap {
-        map: TextureTracks::Image(Box::new(tracks(map, image, false))),
-        strength: strength.into(),
-    }
-}
-
 /// Whether an image holds normals: most of them point away from the surface, which is blue.
 fn shows_normals(image: &Image) -> bool {
-    let sum: DVec3 = texels(image).map(|(x, y)| image.texel(x, y).as_dvec3()).sum();
-    let mean = sum / (f64::from(image.width()) * f64::from(image.height()));
-    mean.z > mean.x.max(mean.y) + BLUE
+    // A few rows suffice, and many materials may name a large image.
+    let rows = (0..image.height()).step_by(image.height().div_ceil(64) as usize);
+    let texels = rows.flat_map(|y| (0..image.width()).map(move |x| image.texel(x, y).as_dvec3()));
+    let (sum, count) = texels.fold((DVec3::ZERO, 0.0), |(sum, count), texel| (sum + texel, count + 1.0));
+    sum.z > sum.x.max(sum.y) + BLUE * count
 }
 
 /// How much more blue than red and green is in the mean of normals. Level normals have 0.5.
 const BLUE: f64 = 0.15;
 
-fn texels(image: &Image) -> impl Iterator<Item = (u32, u32)> {
-    let width = image.width();
-    (0..image.height()).flat_map(move |y| (0..width).map(move |x| (x, y)))
-}
-
 /// A white image whose alpha is a channel of another one.
 fn white_with(image: &Image, channel: MapChannel) -> Option<Image> {
-    let alpha = texels(image).map(|(x, y)| {
+    let places = (0..image.height()).flat_map(|y| (0..image.width()).map(move |x| (x, y)));
+    let alpha = places.map(|(x, y)| {
         let texel = image.texel(x, y);
         match channel {
             MapChannel::Red => texel.x,

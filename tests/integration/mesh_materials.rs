@@ -190,7 +190,7 @@ fn images_multiply_what_they_are_for() {
     // 16/255 of 0.01 · 100 times the diagonal, √8, over 1/8 of the width.
     let slope = 16.0 / 255.0 * 8f32.sqrt() * 8.0;
     let expected = 0.5 / (1.0 + slope * slope).sqrt();
-    assert!((shot.pixel(3, 1).x - expected).abs() < 0.01, "{} {expected}", shot.pixel(3, 1).x);
+    assert!((shot.pixel(3, 1).x - expected).abs() < 1e-4, "{} {expected}", shot.pixel(3, 1).x);
     // Metal reflects no light of the sun diffusely; rough plastic does.
     pair(folder, "metal.png", [[0; 3], [0, 255, 0]]);
     let [plastic, metal] = seen("Kd 0.5 0.5 0.5\nPr 1\nmap_Pm -imfchan g metal.png");

@@ -3,7 +3,7 @@
 use super::vertex::{PathVertex, ScatterKind};
 use crate::accuracy::robustness::{SceneRays, SurfaceHit};
 use crate::appearance::light::{Light, Source};
-use crate::appearance::material::Material;
+use crate::appearance::material::{Coat, Material};
 use crate::appearance::optics::{Microfacet, reflect, refract};
 use crate::base::color::Rgb;
 use crate::base::math::{DVec2, DVec3, Ray};
@@ -180,9 +180,6 @@ fn largest(color: Rgb) -> f64 {
     f64::from(color.max_element())
 }
 
-/// What a coat reflects from most directions.
-const COATED: f64 = 0.04;
-
 /// Rougher microfacet surfaces count as diffuse.
 const ROUGH: f32 = 0.4;
 
@@ -206,7 +203,7 @@ fn sample_scatter(
 ) -> Option<ScatterSample> {
     let lobes = &material.lobes;
     let glossy = if is_glossy(material) { f64::from(lobes.microfacet) * largest(lobes.base) } else { 0.0 };
-    let coat = COATED * f64::from(lobes.coat.share);
+    let coat = f64::from(Coat::REFLECTANCE * lobes.coat.share);
     let mirror = largest(lobes.mirror);
     let (transmitted, refracted) = (largest(lobes.transparency), largest(lobes.refraction));
     let weights = [

@@ -38,7 +38,7 @@ pub struct Lobes {
     pub coat: Coat,
 }
 
-/// A clear coat, both numbers in 0..=1.
+/// A clear coat. All numbers are in 0..=1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[warn(missing_docs)]
 pub struct Coat {
@@ -48,6 +48,11 @@ pub struct Coat {
     pub roughness: f32,
     /// The share of the point that is a hole in the surface, which textures cut; the coat leaves it open.
     pub hole: f32,
+}
+
+impl Coat {
+    /// The reflectance of its boundary at normal incidence. Its index of refraction is 1.5: (0.5 / 2.5)².
+    pub const REFLECTANCE: f32 = 0.04;
 }
 
 /// Lobes without a coat have the digest that they had before there was any.

@@ -4,7 +4,7 @@ use super::{Coat, Exponent, Highlight, Lobes, Material, Medium, TextureSlot};
 use crate::appearance::light_groups::GroupWeight;
 use crate::appearance::optics::Fresnel;
 use crate::appearance::texture::relief::ReliefStrength;
-use crate::appearance::texture::{DataTexture, Texture, TextureTracks};
+use crate::appearance::texture::{DataTexture, ImageTextureTracks, Texture, TextureTracks};
 use crate::base::color::Rgb;
 use crate::base::time::Time;
 use crate::film::LayerId;
@@ -32,6 +32,17 @@ impl LobeTracks {
 }
 
 impl ScalarTextureTracks {
+    /// A factor that an image multiplies, if there is one.
+    pub fn scaled(image: Option<ImageTextureTracks>, factor: f64) -> Self {
+        match image {
+            Some(image) => {
+                let tint = Rgb::splat(factor as f32).into();
+                Self::Textured(TextureTracks::Image(Box::new(ImageTextureTracks { tint, ..image })))
+            }
+            None => Self::Constant(factor.into()),
+        }
+    }
+
     fn is_keyed(&self) -> bool {
         match self {
             Self::Constant(value) => value.is_keyed(),

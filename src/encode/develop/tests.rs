@@ -123,7 +123,7 @@ fn sixteen_bits_hold_the_same_picture_more_finely() {
 /// A pixel with a quarter of coverage has the full colour and an alpha of a quarter.
 #[test]
 fn colours_are_not_premultiplied() {
-    let aovs = AovSet { coverage: true, features: false, guides: false, samples: false };
+    let aovs = AovSet::of_picture(true);
     let mut film = Film::with_aovs(3, 1, vec![Rgb::ONE], aovs);
     let color = Rgb::new(0.18, 0.5, 1.0);
     film.data =

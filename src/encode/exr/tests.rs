@@ -50,7 +50,7 @@ fn channels(path: &Path) -> Vec<(String, Vec<f32>)> {
 fn layers_of_light_add_up_and_features_follow() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("a.exr");
-    let aovs = AovSet { coverage: true, features: true, guides: false, samples: false };
+    let aovs = AovSet { coverage: true, features: true, ..AovSet::default() };
     let mut film = Film::with_aovs(3, 2, vec![Rgb::ONE, Rgb::new(0.5, 2.0, 0.0)], aovs);
     for (i, value) in film.data_mut().iter_mut().enumerate() {
         *value = Rgb::new(i as f32, 0.5, 0.25) / 32.0;
@@ -115,7 +115,7 @@ fn values_above_the_half_range_are_clamped() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("a.exr");
     for (coverage, lights) in [(false, false), (true, false), (false, true)] {
-        let aovs = AovSet { coverage, features: false, guides: false, samples: false };
+        let aovs = AovSet::of_picture(coverage);
         let mut film = Film::with_aovs(2, 1, vec![Rgb::ONE], aovs);
         film.data_mut()[0] = Rgb::new(65_519.0, 65_520.0, f32::INFINITY);
         let layers = ExrLayers { lights, ..ExrLayers::default() };
@@ -137,7 +137,7 @@ fn half_floats_have_half_the_precision() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("a.exr");
     for coverage in [false, true] {
-        let aovs = AovSet { coverage, features: false, guides: false, samples: false };
+        let aovs = AovSet::of_picture(coverage);
         let mut film = Film::with_aovs(2, 1, vec![Rgb::ONE], aovs);
         film.data_mut()[0] = Rgb::new(0.1, 1.0, 1000.3);
         write(

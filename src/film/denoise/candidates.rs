@@ -5,7 +5,6 @@ use super::choice::Measured;
 use super::guides::Guides;
 use super::outliers::{dimmed, ranges};
 use super::regression::{Pictures, fit};
-use super::trust::Change;
 use crate::base::color::Rgb;
 use rayon::prelude::*;
 
@@ -85,22 +84,10 @@ impl<'a> Candidates<'a> {
         self.halves.each_ref().map(|half| half.at(pixel, layer))
     }
 
-    /// What the filtered light of a pixel changes in its samples.
-    pub fn change(&self, pixel: usize, layer: usize, filtered: Rgb, audits: [Rgb; 2], noise: f32) -> Change {
-        let dimmed = self.halves.each_ref().map(|half| half.dimmed[pixel * half.layers + layer]);
-        let unit = self.unit(dimmed[0] + dimmed[1], layer);
-        Change::new([self.samples(pixel, layer), filtered], audits, noise, unit)
-    }
-
-    /// The samples of both halves for a layer of a pixel.
-    pub fn samples(&self, pixel: usize, layer: usize) -> Rgb {
-        let [first, second] = self.halves.each_ref().map(|half| half.film.pixel(pixel)[layer]);
-        (first + second) * 0.5
-    }
-
-    /// By what squares are multiplied to be relative to the light of a pixel, the sum of both halves.
-    fn unit(&self, both: Rgb, layer: usize) -> f32 {
-        let light = both.element_sum() / 2.0;
+    /// By what squares are multiplied to be relative to the light of a pixel.
+    pub fn unit(&self, pixel: usize, layer: usize) -> f32 {
+        let both = self.halves.each_ref().map(|half| half.dimmed[pixel * half.layers + layer].element_sum());
+        let light = (both[0] + both[1]) / 2.0;
         1.0 / (light * light + self.floors[layer])
     }
 
@@ -115,7 +102,7 @@ impl<'a> Candidates<'a> {
         let [first, second] = self.at(pixel, layer);
         let (a, b) = (first[0], second[0]);
         let samples = (a - b).length_squared();
-        let unit = self.unit(first[1] + second[1], layer);
+        let unit = self.unit(pixel, layer);
         let mut all = Measured::default();
         for (candidate, (first, second)) in first.into_iter().zip(second).enumerate() {
             let crossed = (first - b).length_squared() + (second - a).length_squared();

@@ -61,7 +61,8 @@ impl RemainingError {
     }
 
     /// The error with these weights. A squared error that is smaller than its own standard deviation, or even negative, is
-    /// stated as that: smaller errors do not differ significantly from 0. The interval holds the true error in about 95 of 100 frames.
+    /// stated as that: smaller errors do not differ significantly from 0. The interval holds the true error in about 95 of
+    /// 100 frames.
     /// Without two blocks, or if light overflows, nothing is known of the error: it and its interval are infinite.
     pub fn of(&self, weights: &[Rgb]) -> Noise {
         let weighted =

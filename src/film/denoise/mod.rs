@@ -2,14 +2,13 @@
 //!
 //! The samples of a picture are traced as two films, the halves of one sequence. At several scales, the light of each half
 //! in a window is fitted by a linear function of guides: position, distance, albedo and normal of the surfaces that are
-//! seen
-//! (first-order regression after Bitterli, Rousselle et al., "Nonlinearly weighted first-order regression for denoising
+//! seen (first-order regression after Bitterli, Rousselle et al., "Nonlinearly weighted first-order regression for denoising
 //! Monte Carlo renderings", 2016; windows that overlap instead of weights after He, Sun, Tang, "Guided image filtering",
 //! 2010). The fits of each half are compared with the samples of the other one, which shows the error of every scale around
 //! each pixel. The samples themselves are candidates, with and without outliers, so more samples lead to the truth.
 //!
-//! Two small films of other samples, the audits, are never part of the picture. They show the squared error of the result,
-//! bias included, without bias: see [`error`].
+//! Two small films of other samples, the audits, are never part of the picture. They show how much of the filter's changes
+//! to keep (see [`trust`]), and the squared error of the result, bias included, without bias (see [`error`]).
 //!
 //! Every layer of light is filtered on its own, so the picture stays a weighted sum of layers.
 
@@ -44,6 +43,12 @@ pub struct SampleFilms<'a> {
 }
 
 impl SampleFilms<'_> {
+    /// The mean of both halves, in a layer of light or of an AOV.
+    fn samples(&self, pixel: usize, layer: usize) -> Rgb {
+        let [first, second] = self.halves.map(|film| film.pixel(pixel)[layer]);
+        (first + second) * 0.5
+    }
+
     /// The light of both audits.
     fn audit(&self, pixel: usize, layer: usize) -> [Rgb; 2] {
         self.audits.map(|film| film.pixel(pixel)[layer])
@@ -63,7 +68,7 @@ pub fn bytes_of_pixel(layers: u64) -> u64 {
 
 /// Denoises a picture. The film holds no guides. `samples` is the number of samples per pixel of all films.
 pub fn denoise(films: &SampleFilms, samples: f64) -> Film {
-    let [first, second] = films.halves;
+    let [first, _] = films.halves;
     let aovs = AovSet { guides: false, ..first.aovs };
     let mut film = Film::with_aovs(first.width, first.height, first.weights.clone(), aovs);
     let filtered = filter(films);
@@ -72,13 +77,13 @@ pub fn denoise(films: &SampleFilms, samples: f64) -> Film {
         let (light, others) = data.split_at_mut(lights);
         light.copy_from_slice(&filtered[pixel * lights..][..lights]);
         for (layer, value) in (lights..).zip(others) {
-            *value = (first.pixel(pixel)[layer] + second.pixel(pixel)[layer]) * 0.5;
+            *value = films.samples(pixel, layer);
         }
     });
     film.samples = aovs.samples.then(|| {
         let pixels = 0..first.width as usize * first.height as usize;
-        let halves = |pixel| first.pixel(pixel)[..lights].iter().zip(second.pixel(pixel));
-        Arc::new(pixels.flat_map(halves).map(|(one, other)| (*one + *other) * 0.5).collect())
+        let samples = |pixel| (0..lights).map(move |layer| films.samples(pixel, layer));
+        Arc::new(pixels.flat_map(samples).collect())
     });
     let remaining = RemainingError::measure(&film, &films.audits, samples);
     film.noise = Some(remaining.of(&film.weights));
@@ -99,11 +104,12 @@ fn filter(films: &SampleFilms) -> Vec<Rgb> {
             let means = first.into_iter().zip(second).map(|(first, second)| (first + second) * 0.5);
             let light_of_all: Rgb =
                 means.zip(choice.weights(pixel)).map(|(light, weight)| light * weight).sum();
-            light[layer] =
-                if light_of_all.is_finite() { light_of_all } else { candidates.samples(pixel, layer) };
+            light[layer] = if light_of_all.is_finite() { light_of_all } else { films.samples(pixel, layer) };
         });
         let change = |(pixel, light): (usize, &[Rgb])| {
-            candidates.change(pixel, layer, light[layer], films.audit(pixel, layer), choice.noise(pixel))
+            let change = [films.samples(pixel, layer), light[layer]];
+            let unit = candidates.unit(pixel, layer);
+            Change::new(change, films.audit(pixel, layer), choice.noise(pixel), unit)
         };
         let changes: Vec<Change> = filtered.par_chunks_exact(layers).enumerate().map(change).collect();
         let trust = Trust::new(size.0, &changes);
@@ -111,7 +117,7 @@ fn filter(films: &SampleFilms) -> Vec<Rgb> {
             |(pixel, (light, change))| {
                 let share = trust.samples(pixel, size.0, change);
                 if share > 0.0 {
-                    light[layer] += (candidates.samples(pixel, layer) - light[layer]) * share;
+                    light[layer] += (films.samples(pixel, layer) - light[layer]) * share;
                 }
             },
         );

@@ -2,7 +2,7 @@
 
 use crate::base::color::Rgb;
 
-/// Classes of changes. Each is four times as large, in squares, as the one before.
+/// Classes of changes by their squares. Each begins at four times the one before, and number 3 at the noise around a pixel.
 const CLASSES: usize = 6;
 
 /// The side of tiles in pixels. What is kept in a tile comes from tiles of the other colour of a chessboard, so it does not
@@ -32,7 +32,6 @@ impl Change {
         if !(moved.is_finite() && wrong.is_finite() && moved > 0.0) {
             return Self::default();
         }
-        // A class begins at every fourth of the square, and the fourth class at the noise around the pixel.
         let class = (moved / noise).log2() * 0.5 + 3.0;
         Self { moved, wrong, class: class.clamp(0.0, (CLASSES - 1) as f32) as u8 }
     }

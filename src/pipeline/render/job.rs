@@ -62,5 +62,5 @@ pub(crate) fn requested_aovs(sequence: &Sequence, outputs: &[Output]) -> AovSet 
     let layers = sequence.output.formats.exr.layers;
     let samples = exr && layers.samples && sequence.quality.denoise != Denoise::Off;
     let features = exr && layers.need_features();
-    AovSet { coverage: sequence.output.transparent, features, guides: false, samples }
+    AovSet { features, samples, ..AovSet::of_picture(sequence.output.transparent) }
 }

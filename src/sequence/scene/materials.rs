@@ -245,11 +245,10 @@ fn level(
     channel: ColorChannel,
     images: &mut Images<'_>,
 ) -> Option<ScalarTextureTracks> {
-    let Some(texture) = texture else {
-        return Some(ScalarTextureTracks::Constant(factor.into()));
+    let image = match texture {
+        Some(texture) => Some(images.texture(texture, ColorEncoding::Linear)?),
+        None => None,
     };
-    let texture = images.texture(texture, ColorEncoding::Linear)?;
-    let (channel, tint) = (Some(channel), Rgb::splat(factor as f32).into());
-    let tinted = ImageTextureTracks { channel, tint, ..texture };
-    Some(ScalarTextureTracks::Textured(TextureTracks::Image(Box::new(tinted))))
+    let image = image.map(|image| ImageTextureTracks { channel: Some(channel), ..image });
+    Some(ScalarTextureTracks::scaled(image, factor))
 }

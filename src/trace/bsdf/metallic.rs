@@ -1,5 +1,6 @@
 //! The metallic-roughness surface (glTF 2.0, appendix B): a boundary of microfacets over a diffuse base.
 
+use crate::appearance::material::Coat;
 use crate::appearance::optics::{Microfacet, schlick};
 use crate::base::lanes::{Color, Lookup, Real, Row, Single, Vec3, out_of_line};
 use crate::sampling::LocalFrame;
@@ -8,9 +9,6 @@ use std::f64::consts::PI;
 
 /// Surfaces with a lower roughness are sharp mirrors. Their highlight is narrower than a tenth of a degree.
 const SMOOTH: f32 = 0.01;
-
-/// The reflectance of a coat at normal incidence: (0.5 / 2.5)².
-const COAT_REFLECTANCE: f32 = 0.04;
 
 /// The parameters of the surface in each lane.
 #[derive(Clone, Copy)]
@@ -48,7 +46,7 @@ impl<F: Real> Metallic<F> {
     #[inline(always)]
     pub fn coat(strength: F::F32, roughness: F::F32) -> Self {
         let zero = F::F32::splat(0.0);
-        let boundary = F::F32::splat(COAT_REFLECTANCE);
+        let boundary = F::F32::splat(Coat::REFLECTANCE);
         Self { strength, base: Color::black(), metallic: zero, roughness, boundary }
     }
 

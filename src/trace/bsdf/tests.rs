@@ -118,7 +118,8 @@ fn sampled(material: &Material, to_eye: DVec3) -> f64 {
 fn sharp_coats_keep_all_light() {
     for (coat, eye) in [0.25, 1.0].into_iter().flat_map(|coat| eyes().map(move |eye| (coat, eye))) {
         let light = sampled(&coated(coat, 0.0), eye);
-        assert!((light - 1.0).abs() < 1e-3, "{coat} {eye} {light}");
+        // Every sample has the weight 1, in f32.
+        assert!((light - 1.0).abs() < 2.0 * f64::from(f32::EPSILON), "{coat} {eye} {light}");
     }
 }
 
@@ -140,7 +141,8 @@ fn samples_of_rough_coats_agree_with_their_shares() {
         }
         // Shares are π times what counts, over 2 π steradians.
         let (all, light) = (2.0 * sum / f64::from(STEPS[0] * STEPS[1]), sampled(&material, eye));
-        assert!((all - light).abs() < 0.02, "{roughness} {eye} {all} {light}");
-        assert!(light < 1.02, "{roughness} {eye} {light}");
+        // Both sums have finite steps: the differences are 0.002 near the horizon, and below 0.001 elsewhere.
+        assert!((all - light).abs() < 0.003, "{roughness} {eye} {all} {light}");
+        assert!(light < 1.001, "{roughness} {eye} {light}");
     }
 }

@@ -43,12 +43,8 @@ impl RandomScene {
             scene.quality.integrator = Integrator::Whitted;
             scene.quality.bounces = scene.quality.bounces.min(2);
         }
-        scene.aovs = AovSet {
-            coverage: random.unit() < 0.3,
-            features: random.unit() < 0.3,
-            guides: false,
-            samples: false,
-        };
+        scene.aovs =
+            AovSet { coverage: random.unit() < 0.3, features: random.unit() < 0.3, ..AovSet::default() };
         scene
     }
 
