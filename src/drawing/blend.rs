@@ -36,7 +36,7 @@ impl Mark {
             Self::Text(text) => {
                 let line = text.placed();
                 if let Some(halo) = text.halo {
-                    let border = line.border(halo.width as f32, size, scratch);
+                    let border = line.halo(halo.width as f32, size);
                     lay(canvas, &border, halo.ink.opacity, |_, _| halo.ink.color);
                 }
                 lay(canvas, &line.letters(size), text.ink.opacity, |_, _| text.ink.color);

@@ -21,14 +21,4 @@ impl CoverageMask {
             *pixel = (*pixel + coverage).min(1.0);
         }
     }
-
-    /// Covers each pixel at least as much as another mask, whose place is relative to this one.
-    pub fn join(&mut self, other: &Self) {
-        for (row, values) in other.values.chunks_exact(other.width.max(1)).enumerate() {
-            let start = (other.top as usize + row) * self.width + other.left as usize;
-            for (pixel, value) in self.values[start..start + other.width].iter_mut().zip(values) {
-                *pixel = pixel.max(*value);
-            }
-        }
-    }
 }

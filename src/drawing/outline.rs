@@ -1,8 +1,9 @@
 //! The outlines of text as polygons.
 
+use super::curve::Curve;
 use super::font::Font;
 use super::text::{Align, glyphs, text_width};
-use ab_glyph::{Font as _, OutlineCurve, Point, PxScale, ScaleFont};
+use ab_glyph::{Font as _, Point, PxScale, ScaleFont};
 
 /// Units per height of a line. Outlines are whole numbers of units, so that areas can be computed exactly.
 pub const OUTLINE_UNITS: f64 = 65_536.0;
@@ -26,45 +27,10 @@ pub fn text_outlines(font: &Font, text: &str, align: Align) -> Vec<Vec<[i32; 2]>
             let (across, up) = (scaled.h_scale_factor(), scaled.v_scale_factor());
             let start = [left + placed.along, placed.raised - index as f32 * units];
             let at = |point: Point| [start[0] + point.x * across, start[1] + point.y * up];
-            flatten(outline.curves.into_iter().map(|curve| mapped(&curve, at)), &mut outlines);
+            flatten(outline.curves.into_iter().map(|curve| Curve::new(&curve, at)), &mut outlines);
         }
     }
     outlines
-}
-
-/// A curve of any degree up to three, by its control points.
-struct Curve(Vec<[f32; 2]>);
-
-fn mapped(curve: &OutlineCurve, at: impl Fn(Point) -> [f32; 2]) -> Curve {
-    Curve(match *curve {
-        OutlineCurve::Line(a, b) => vec![at(a), at(b)],
-        OutlineCurve::Quad(a, c, b) => vec![at(a), at(c), at(b)],
-        OutlineCurve::Cubic(a, c, d, b) => vec![at(a), at(c), at(d), at(b)],
-    })
-}
-
-impl Curve {
-    /// Pieces of equal parameters whose chords are flat enough. A chord of a piece of length h is within h² |B''| / 8 of
-    /// the curve, and the second derivative of degree n is at most n (n - 1) times the second differences.
-    fn pieces(&self) -> u32 {
-        let degree = self.0.len() - 1;
-        let bends = self.0.array_windows().map(|[a, b, c]| {
-            let second = [0, 1].map(|axis: usize| a[axis] - 2.0 * b[axis] + c[axis]);
-            second[0].abs() + second[1].abs()
-        });
-        let bend = bends.fold(0.0f32, f32::max) * (degree * degree.saturating_sub(1)) as f32 / 8.0;
-        (bend / FLATNESS).sqrt().ceil().clamp(1.0, 64.0) as u32
-    }
-
-    /// De Casteljau's algorithm.
-    fn at(&self, share: f32) -> [f32; 2] {
-        let mut points = self.0.clone();
-        while points.len() > 1 {
-            let mix = |a: f32, b: f32| a * (1.0 - share) + b * share;
-            points = points.array_windows().map(|[a, b]| [mix(a[0], b[0]), mix(a[1], b[1])]).collect();
-        }
-        points.first().copied().unwrap_or_default()
-    }
 }
 
 /// Adds the polygons of curves that follow each other; a curve that begins elsewhere begins a polygon.
@@ -72,17 +38,13 @@ fn flatten(curves: impl Iterator<Item = Curve>, outlines: &mut Vec<Vec<[i32; 2]>
     let rounded = |[x, y]: [f32; 2]| [x.round() as i32, y.round() as i32];
     let (mut last, first_new) = (None, outlines.len());
     for curve in curves {
-        let (Some(from), Some(to)) = (curve.0.first().copied(), curve.0.last().copied()) else { continue };
+        let from = curve.first();
         if last != Some(from) || outlines.len() == first_new {
             outlines.push(vec![rounded(from)]);
         }
-        last = Some(to);
+        last = Some(curve.last());
         let Some(polygon) = outlines.last_mut() else { continue };
-        let pieces = curve.pieces();
-        for piece in 1..=pieces {
-            let point = if piece == pieces { to } else { curve.at(piece as f32 / pieces as f32) };
-            polygon.push(rounded(point));
-        }
+        polygon.extend(curve.chords(FLATNESS).map(rounded));
     }
     for polygon in &mut outlines[first_new..] {
         polygon.dedup();

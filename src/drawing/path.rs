@@ -67,35 +67,11 @@ fn covered<'s>(
     style: impl Into<Style<'s>>,
     scratch: &mut Scratch,
 ) -> CoverageMask {
-    let mut commands = Vec::new();
-    paths.iter().for_each(|points| push(&mut commands, points, closed));
-    rendered(&commands, border, style, [width as usize, height as usize], scratch)
-}
-
-/// The coverage by a path that reaches `border` pixels beyond its points, where it lies within a width and height.
-pub(super) fn rendered<'s>(
-    commands: &[Command],
-    border: f64,
-    style: impl Into<Style<'s>>,
-    [width, height]: [usize; 2],
-    scratch: &mut Scratch,
-) -> CoverageMask {
     let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    let mut reach = |points: &[Vector]| {
-        for point in points {
-            let point = DVec2::new(point.x.into(), point.y.into());
-            (min, max) = (min.min(point), max.max(point));
-        }
-    };
-    for command in commands {
-        match command {
-            Command::MoveTo(a) | Command::LineTo(a) => reach(&[*a]),
-            Command::QuadTo(a, b) => reach(&[*a, *b]),
-            Command::CurveTo(a, b, c) => reach(&[*a, *b, *c]),
-            Command::Close => {}
-        }
+    for point in paths.iter().flatten() {
+        (min, max) = (min.min(*point), max.max(*point));
     }
-    let end = DVec2::new(width as f64, height as f64);
+    let end = DVec2::new(width.into(), height.into());
     // One pixel more, for rounding.
     let min = (min - (border + 1.0)).floor().max(DVec2::ZERO);
     let max = (max + (border + 1.0)).ceil().min(end);
@@ -103,9 +79,11 @@ pub(super) fn rendered<'s>(
     if !(size.x >= 1.0 && size.y >= 1.0) {
         return CoverageMask::default();
     }
+    let mut commands = Vec::new();
+    paths.iter().for_each(|points| push(&mut commands, points, closed));
     let (width, height) = (size.x as usize, size.y as usize);
     let mut bytes = vec![0; width * height];
-    Mask::with_scratch(commands, scratch)
+    Mask::with_scratch(commands.as_slice(), scratch)
         .style(style)
         .offset(Vector::new(-min.x as f32, -min.y as f32))
         .size(width as u32, height as u32)

@@ -2,11 +2,9 @@
 
 use super::coverage::CoverageMask;
 use super::font::Font;
-use super::path;
 use super::shaping::shaped;
 use crate::base::math::DVec2;
-use ab_glyph::{Font as _, FontVec, GlyphId, OutlineCurve, Point, PxScale, ScaleFont, point};
-use zeno::{Cap, Command, Join, Scratch, Stroke, Vector};
+use ab_glyph::{Font as _, FontVec, GlyphId, PxScale, ScaleFont, point};
 
 /// The width of the longest line of a text in pixels, if letters are `size` pixels high.
 pub fn text_width(font: &Font, text: &str, size: f32) -> f32 {
@@ -93,13 +91,11 @@ pub(super) fn glyphs<'f>(font: &'f Font, line: &str, size: f32) -> (Vec<PlacedGl
 
 /// One line of text at any place of a picture, also between pixels.
 pub struct PlacedLine<'f> {
-    glyphs: Vec<PlacedGlyph<'f>>,
-    /// The height of letters, from the lowest descender to the highest ascender.
-    size: f32,
+    pub(super) glyphs: Vec<PlacedGlyph<'f>>,
     /// The beginning of the line, relative to the pixel in which its box has its top left corner.
-    start: [f32; 2],
+    pub(super) start: [f32; 2],
     /// That pixel.
-    corner: [i64; 2],
+    pub(super) corner: [i64; 2],
     /// Width and height of the box in pixels.
     extent: [usize; 2],
 }
@@ -113,11 +109,11 @@ impl<'f> PlacedLine<'f> {
         let face = font.face().map(|face| face.outlines.as_scaled(PxScale::from(size)));
         let (height, ascent) = face.map_or((0.0, 0.0), |face| (face.height(), face.ascent()));
         let extent = [width + right, height + down].map(|side| side.ceil() as usize);
-        Self { glyphs, size, start: [right, ascent + down], corner: [floor.x as i64, floor.y as i64], extent }
+        Self { glyphs, start: [right, ascent + down], corner: [floor.x as i64, floor.y as i64], extent }
     }
 
     /// Pixels without coverage: the box and `border` pixels around it, where they lie within a picture.
-    fn mask(&self, border: i64, (width, height): (u32, u32)) -> CoverageMask {
+    pub(super) fn mask(&self, border: i64, (width, height): (u32, u32)) -> CoverageMask {
         let side = |axis: usize, end: u32| {
             let first = self.corner[axis].saturating_sub(border);
             let last = self.corner[axis].saturating_add(self.extent[axis] as i64 + border);
@@ -147,58 +143,6 @@ impl<'f> PlacedLine<'f> {
             outlined.draw(|x, y, c| mask.add(left + i64::from(x), top + i64::from(y), c));
         }
         mask
-    }
-
-    /// The coverage by everything within `radius` pixels of the letters' outlines, in a picture of this size.
-    pub fn border(&self, radius: f32, size: (u32, u32), scratch: &mut Scratch) -> CoverageMask {
-        let mut mask = self.mask(radius.ceil() as i64 + 1, size);
-        if mask.values.is_empty() {
-            return mask;
-        }
-        let start = [0, 1]
-            .map(|axis: usize| self.start[axis] + (self.corner[axis] - [mask.left, mask.top][axis]) as f32);
-        let reach = 2.0 * self.size + radius;
-        let seen = -reach..mask.width as f32 + reach;
-        let mut style = Stroke::new(2.0 * radius);
-        style.join(Join::Round).cap(Cap::Round);
-        let mut commands = Vec::new();
-        // Letter by letter, because the time for a row of a mask grows with the square of the edges in it.
-        for placed in &self.glyphs {
-            let x = start[0] + placed.along;
-            if seen.contains(&x) {
-                commands.clear();
-                outline(placed, [x, start[1] - placed.raised], &mut commands);
-                mask.join(&path::rendered(
-                    &commands,
-                    radius.into(),
-                    style,
-                    [mask.width, mask.height],
-                    scratch,
-                ));
-            }
-        }
-        mask
-    }
-}
-
-/// Adds the outline of a glyph that begins at a point of the baseline.
-fn outline(placed: &PlacedGlyph, [x, y]: [f32; 2], commands: &mut Vec<Command>) {
-    let PlacedGlyph { face, glyph, size, .. } = placed;
-    let (Some(outline), unit) = (face.outline(*glyph), face.height_unscaled()) else { return };
-    let scale = size / unit;
-    let at = |point: Point| Vector::new(x + point.x * scale, y - point.y * scale);
-    let mut last = None;
-    for curve in outline.curves {
-        let (from, to, command) = match curve {
-            OutlineCurve::Line(a, b) => (a, b, Command::LineTo(at(b))),
-            OutlineCurve::Quad(a, c, b) => (a, b, Command::QuadTo(at(c), at(b))),
-            OutlineCurve::Cubic(a, c, d, b) => (a, b, Command::CurveTo(at(c), at(d), at(b))),
-        };
-        if last != Some(from) {
-            commands.push(Command::MoveTo(at(from)));
-        }
-        commands.push(command);
-        last = Some(to);
     }
 }
 
@@ -277,34 +221,11 @@ mod tests {
     }
 
     #[test]
-    fn halos_reach_around_letters() {
-        let font = Font::default();
-        let line = PlacedLine::new(&font, "l", 40.0, DVec2::new(20.3, 5.6));
-        let (letters, mut scratch) = (line.letters((60, 60)), Scratch::new());
-        let border = line.border(3.0, (60, 60), &mut scratch);
-        let at = |mask: &CoverageMask, x: i64, y: i64| {
-            let (x, y) = (x - mask.left, y - mask.top);
-            let within = (0..mask.width as i64).contains(&x) && (0..mask.height as i64).contains(&y);
-            if within { mask.values[y as usize * mask.width + x as usize] } else { 0.0 }
-        };
-        // Whatever is a pixel away from the letter is covered, and what is five pixels away is not.
-        let near = |x: i64, y: i64, reach: i64| {
-            let pixels = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (x + dx, y + dy)));
-            pixels.map(|(x, y)| at(&letters, x, y)).fold(0.0, f32::max)
-        };
-        for (x, y) in (0..60).flat_map(|y| (0..60).map(move |x| (x, y))) {
-            let covered = at(&border, x, y).max(at(&letters, x, y));
-            assert!(near(x, y, 1) < 1.0 || covered == 1.0, "{x} {y} {covered}");
-            assert!(near(x, y, 5) > 0.0 || covered == 0.0, "{x} {y} {covered}");
-        }
-    }
-
-    #[test]
     fn only_pixels_of_the_picture_are_made() {
-        let (font, mut scratch) = (Font::default(), Scratch::new());
+        let font = Font::default();
         let text = "wide ".repeat(1000);
         let line = PlacedLine::new(&font, &text, 200.0, DVec2::new(-1e5, 3.0));
-        let masks = [line.letters((50, 40)), line.border(9.0, (50, 40), &mut scratch)];
+        let masks = [line.letters((50, 40)), line.halo(9.0, (50, 40))];
         assert!(masks.iter().all(|mask| mask.values.len() <= 50 * 40));
         assert!(masks.iter().all(|mask| mask.values.iter().any(|value| *value > 0.0)));
         let far = PlacedLine::new(&font, "a", 20.0, DVec2::new(1e300, 0.0));
