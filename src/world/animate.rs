@@ -18,27 +18,34 @@ use crate::geometry::shape::{Particles, Plane, Shape};
 use crate::geometry::transform::TransformTracks;
 use crate::import::series::StepError;
 use crate::world::{
-    ActiveCamera, ClipPlanes, ClippedBy, Current, Hierarchy, HierarchyEntry, Now, Objects, ShapeDeformed,
-    ShapeParticles, ShapeSeries, ShapeUse, Transform, Visible, VisibleTracks, Weight,
+    ActiveCamera, ClipPlanes, ClippedBy, Current, Hierarchy, Now, Objects, ShapeDeformed, ShapeParticles,
+    ShapeSeries, ShapeUse, ShownWith, Transform, Visible, VisibleTracks, Weight,
 };
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::entity::Entity;
+use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::system::{Query, Res, ResMut};
 use std::sync::Arc;
 
 /// Objects that cannot move have none.
 type Tracks = (&'static TransformTracks, &'static VisibleTracks);
 
+/// What an object inherits from: its parent, and the object that it is shown with.
+type Above = (Option<&'static ChildOf>, Option<&'static ShownWith>);
+
 /// Computes the world transform and visibility of every object that may move, parents before children.
 pub fn transforms(
     now: Res<Now>,
     hierarchy: Res<Hierarchy>,
     mut objects: Query<(&mut Transform, &mut Visible, Option<Tracks>)>,
+    above: Query<Above>,
 ) {
-    for &HierarchyEntry { object, parent, shown_with } in &hierarchy.0 {
-        let parent = parent.and_then(|parent| objects.get(parent).ok());
+    for &object in &hierarchy.0 {
+        let (parent, shown_with) = above.get(object).unwrap_or_default();
+        let parent = parent.and_then(|&ChildOf(parent)| objects.get(parent).ok());
         let parent = parent.map(|(transform, visible, _)| (*transform, *visible));
-        let other = shown_with.and_then(|other| objects.get(other).ok()).map(|(_, visible, _)| *visible);
+        let other = shown_with.and_then(|&ShownWith(other)| objects.get(other).ok());
+        let other = other.map(|(_, visible, _)| *visible);
         let Ok((mut transform, mut visible, Some((tracks, visible_tracks)))) = objects.get_mut(object) else {
             continue;
         };

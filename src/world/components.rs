@@ -46,6 +46,10 @@ impl VisibleTracks {
     }
 }
 
+/// The object with which alone another one is visible: the node of a skinned mesh.
+#[derive(Clone, Copy, Component, Debug)]
+pub struct ShownWith(pub Entity);
+
 /// The meshes of an object that shows one after the other.
 #[derive(Clone, Component, Debug)]
 pub struct ShapeSeries(pub Arc<MeshSeries>);

@@ -25,17 +25,9 @@ pub enum ShapeUse {
     Rays,
 }
 
-/// Objects that may move. Those that others need come first.
+/// Objects that may move, each after those that it depends on: its parent and the object that it is shown with.
 #[derive(Clone, Debug, Default, Resource)]
-pub struct Hierarchy(pub Vec<HierarchyEntry>);
-
-/// An object, the one whose transform and visibility it inherits, and another one with which alone it is visible.
-#[derive(Clone, Copy, Debug)]
-pub struct HierarchyEntry {
-    pub object: Entity,
-    pub parent: Option<Entity>,
-    pub shown_with: Option<Entity>,
-}
+pub struct Hierarchy(pub Vec<Entity>);
 
 /// The objects in the file's order.
 #[derive(Clone, Debug, Default, Resource)]

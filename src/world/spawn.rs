@@ -1,9 +1,9 @@
 //! Spawns the entities of a sequence, with their values at its first moment.
 
 use super::{
-    ActiveCamera, AreaLight, ClipPlanes, ClippedBy, FileOrder, Hierarchy, HierarchyEntry, LightSetup, Now,
-    Objects, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, SlotCount, Transform, Visible, VisibleTracks,
-    Weight, animate,
+    ActiveCamera, AreaLight, ClipPlanes, ClippedBy, FileOrder, Hierarchy, LightSetup, Now, Objects,
+    ShapeDeformed, ShapeParticles, ShapeSeries, ShownWith, Slot, SlotCount, Transform, Visible,
+    VisibleTracks, Weight, animate,
 };
 use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
@@ -17,6 +17,7 @@ use crate::geometry::shape::Shape;
 use crate::sequence::{LightLayers, Named, Object, Sequence, ShapeTracks};
 use crate::track::Animated;
 use bevy_ecs::entity::Entity;
+use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::world::{EntityWorldMut, World};
 use std::sync::Arc;
 
@@ -169,13 +170,18 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
     }
     spawn_cuts(world, objects, &entities);
     let root = root.map(|root| world.spawn(root).id());
-    let entry = |index: usize| {
+    let movers: Vec<usize> = order.into_iter().filter(|&index| moves[index]).collect();
+    for &index in &movers {
         let Object { parent, skin_of, .. } = &objects[index].value;
-        let parent = parent.map(|parent| entities[parent]).or(root);
-        HierarchyEntry { object: entities[index], parent, shown_with: skin_of.map(|node| entities[node]) }
-    };
-    let hierarchy = order.into_iter().filter(|&index| moves[index]).map(entry).collect();
-    world.insert_resource(Hierarchy(hierarchy));
+        let mut entity = world.entity_mut(entities[index]);
+        if let Some(parent) = parent.map(|parent| entities[parent]).or(root) {
+            entity.insert(ChildOf(parent));
+        }
+        if let Some(node) = *skin_of {
+            entity.insert(ShownWith(entities[node]));
+        }
+    }
+    world.insert_resource(Hierarchy(movers.into_iter().map(|index| entities[index]).collect()));
     world.insert_resource(Objects(entities));
     world.insert_resource(SlotCount(slots.0));
 }

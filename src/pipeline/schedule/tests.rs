@@ -124,7 +124,7 @@ fn only_objects_that_may_move_are_animated() {
     frames.frame(1).expect("a frame");
     let world = &frames.world;
     let objects = &world.resource::<Objects>().0;
-    let moving: Vec<_> = world.resource::<Hierarchy>().0.iter().map(|entry| entry.object).collect();
+    let moving: Vec<_> = world.resource::<Hierarchy>().0.clone();
     assert_eq!(moving, [objects[4], objects[1], objects[0]]);
     let place = |index: usize| world.get::<Transform>(objects[index]).map(|at| at.0.translation.to_array());
     assert_eq!(place(0), Some([1.0, 2.0, 5.0]));
