@@ -69,6 +69,7 @@ class Settings(TypedDict, total=False):
     denoise: bool
     no_denoise: bool
     seed: int | None
+    vary_noise: bool
     threads: int | None
     integrator: Literal["whitted", "path"] | None
     bounces: int | None

@@ -87,6 +87,12 @@ pub struct RenderOptions {
     #[arg(long, value_name = "N", value_parser = values::seed, allow_hyphen_values = true)]
     pub seed: Option<u32>,
 
+    /// Give each frame noise of its own, instead of noise that stays in its place
+    ///
+    /// Frames with random samples then share no films and no paths.
+    #[arg(long)]
+    pub vary_noise: bool,
+
     /// Tone map: srgb, none, reinhard or filmic [default: as in the sequence]
     #[arg(long, value_name = "MAP", value_parser = values::tonemap)]
     pub tonemap: Option<Tonemap>,
@@ -130,6 +136,7 @@ impl RenderOptions {
             max_samples: self.max_samples,
             integrator: self.integrator,
             seed: self.seed,
+            vary_noise: self.vary_noise,
             reuse: self.reuse,
             denoise: match (self.denoise, self.no_denoise) {
                 (true, _) => Some(Denoise::Auto),

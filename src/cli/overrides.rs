@@ -28,6 +28,8 @@ pub struct Overrides {
     /// If the file's integrator is of the same kind, it keeps its settings.
     pub integrator: Option<Integrator>,
     pub seed: Option<u32>,
+    /// Gives each frame random numbers of its own.
+    pub vary_noise: bool,
     /// Which samples frames share.
     pub reuse: Option<SampleReuse>,
     /// Whether frames with random samples are denoised.
@@ -105,6 +107,7 @@ pub fn apply(mut sequence: Sequence, wanted: &Overrides) -> Result<Sequence, Str
         (_, None) => {}
     }
     replace(&mut quality.seed, wanted.seed);
+    quality.vary_noise |= wanted.vary_noise;
     replace(&mut quality.reuse, wanted.reuse);
     replace(&mut quality.denoise, wanted.denoise);
     let own = quality.integrator;
@@ -150,6 +153,7 @@ mod tests {
             max_samples: Some(999),
             integrator: Some(Integrator::Path(PathSettings::default())),
             seed: Some(7),
+            vary_noise: true,
             reuse: Some(SampleReuse::Zoom),
             denoise: Some(Denoise::Auto),
             denoise_original: true,
@@ -167,6 +171,7 @@ mod tests {
         assert_eq!(found.output.size, (320, 200));
         assert_eq!((found.quality.bounces, found.quality.antialias), (9, 4));
         assert_eq!((found.quality.samples, found.quality.seed), (100, 7));
+        assert!(found.quality.vary_noise);
         assert_eq!(found.quality.reuse, SampleReuse::Zoom);
         assert_eq!(found.quality.noise, Some(NoiseTarget { error: 0.05, most: 999 }));
         let limit = Overrides { max_samples: Some(9), ..Overrides::default() };

@@ -3,7 +3,7 @@
 use crate::base::digest::Content;
 use crate::film::denoise::samples_of_audit;
 use crate::film::filter::Filter;
-use crate::sampling::SamplerKind;
+use crate::sampling::{SamplerKind, hash};
 
 /// The quality settings of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +37,9 @@ pub struct Quality {
     pub smooth_terminator: bool,
     /// The seed of random numbers.
     pub seed: u32,
+    /// Whether each frame has random numbers of its own. Otherwise all have the same ones, so noise stays in its place
+    /// where nothing changes.
+    pub vary_noise: bool,
     /// Which samples frames share.
     pub reuse: SampleReuse,
     /// Whether films of random samples are denoised.
@@ -92,6 +95,9 @@ pub enum Integrator {
 /// Maximum number of samples; more would be a mistake.
 pub const MAX_SAMPLES: u32 = 1 << 24;
 
+/// Distinguishes the seeds of frames from other numbers that are hashed with the seed.
+const FRAME_SEED: u32 = 0x4652_414d;
+
 /// Settings of the path tracer.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
 #[warn(missing_docs)]
@@ -122,6 +128,14 @@ impl Quality {
     /// own light, so frames share none; and a denoised frame needs independent samples of its own.
     pub fn shares_views(&self) -> bool {
         self.reuse == SampleReuse::Zoom && self.noise.is_none() && self.denoise == Denoise::Off
+    }
+
+    /// The settings of a frame: with noise that varies, its seed is one of its own.
+    pub fn of_frame(&self, frame: u32) -> Self {
+        match self.vary_noise {
+            true => Self { seed: hash([self.seed, frame, FRAME_SEED]), ..*self },
+            false => *self,
+        }
     }
 
     /// Samples per pixel that are traced for a picture of so many, where something is random.
@@ -164,6 +178,7 @@ impl Default for Quality {
             shutter_steps: 32,
             smooth_terminator: true,
             seed: 0,
+            vary_noise: false,
             reuse: SampleReuse::Off,
             denoise: Denoise::Off,
         }

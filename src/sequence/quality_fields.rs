@@ -38,6 +38,7 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
     let shutter_steps = fields.or("shutter_steps", whole(1..=4096), default.shutter_steps);
     let smooth_terminator = fields.or("smooth_terminator", switch, default.smooth_terminator);
     let seed = fields.or("seed", whole(0..=u32::MAX), default.seed);
+    let vary_noise = fields.or("vary_noise", switch, default.vary_noise);
     let reuse = fields.or("reuse", reuse, default.reuse);
     let denoise = fields.or("denoise", denoise, default.denoise);
     fields.finish();
@@ -56,6 +57,7 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
         shutter_steps: shutter_steps?,
         smooth_terminator: smooth_terminator?,
         seed: seed?,
+        vary_noise: vary_noise?,
         reuse: reuse?,
         denoise: denoise?,
     })

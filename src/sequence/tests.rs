@@ -87,6 +87,7 @@ fn everything_is_read() {
         shutter_steps: 8,
         smooth_terminator: false,
         seed: u32::MAX,
+        vary_noise: true,
         reuse: SampleReuse::Zoom,
         denoise: Denoise::Auto,
     };

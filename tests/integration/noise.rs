@@ -326,6 +326,30 @@ fn frames_record_their_error() {
     }
 }
 
+/// With `vary_noise`, every frame has noise of its own: the same for any set of frames, and none is the film of another.
+#[test]
+fn noise_varies_on_request() {
+    let still = |quality: &str| {
+        sequence(&format!(
+            "(timeline: (frames: 3, keys: Frames), output: (size: (24, 16)), quality: (samples: 2, {quality}),
+            camera: (position: (0, 4, 7), target: (0, 0.4, 0)),
+            lights: {{ \"panel\": Rectangle(corner: (-4, 5, -2), u: (2, 0, 0), v: (0, 0, 2), intensity: 12) }},
+            objects: {{ \"floor\": (shape: Plane()) }})"
+        ))
+    };
+    let varied = still("vary_noise: true");
+    let films: Vec<_> = shoot(&varied, 0..3).into_iter().map(|shot| shot.film.data).collect();
+    assert!(films[0] != films[1] && films[1] != films[2] && films[0] != films[2]);
+    assert_eq!(shoot(&varied, [2])[0].film.data, films[2]);
+    let count =
+        |sequence: &Sequence| Plan::new(sequence, &[0, 1, 2], AovSet::default(), u64::MAX).films.len();
+    assert_eq!([count(&varied), count(&still("seed: 3"))], [3, 1]);
+    // Grids have no noise.
+    let mut plain = varied.clone();
+    plain.lights.clear();
+    assert_eq!(count(&plain), 1);
+}
+
 /// What does not change from frame to frame has the same noise, so that it stands still; another seed gives other noise.
 #[test]
 fn noise_does_not_crawl() {

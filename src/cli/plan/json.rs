@@ -71,6 +71,7 @@ fn film(report: &PlanReport, layers: &[String], (index, take): (usize, &SharedFi
 fn reason(report: &PlanReport, (reason, films): &(Reason, usize)) -> Value {
     match reason {
         Reason::First => json!({ "films": films, "why": "first" }),
+        Reason::Noise => json!({ "films": films, "why": "vary_noise" }),
         Reason::Samples => json!({ "films": films, "why": "samples" }),
         Reason::Memory => json!({ "films": films, "why": "memory" }),
         Reason::Change(parts) => {

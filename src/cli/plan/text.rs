@@ -84,6 +84,7 @@ fn reasons(report: &PlanReport) -> String {
         match reason {
             Reason::First => format!("{films} for the first frame"),
             Reason::Change(parts) => format!("{films} because {}", changes::sentence(report.sequence, parts)),
+            Reason::Noise => format!("{films} because `vary_noise` gives each frame noise of its own"),
             Reason::Samples => format!("{films} because samples become random or stop being so"),
             Reason::Memory => format!("{films} again, because --film-cache is too small to keep them"),
         }
@@ -240,6 +241,7 @@ fn view_obstacle(obstacle: ViewObstacle) -> &'static str {
     match obstacle {
         ViewObstacle::Target => "frames are sampled until they reach a target error",
         ViewObstacle::Denoise => "frames are denoised",
+        ViewObstacle::Noise => "`vary_noise` gives each frame noise of its own",
         ViewObstacle::Lens => "the camera has a lens",
         ViewObstacle::Parallel => "the camera is orthographic",
         ViewObstacle::Shutter => "something moves while the shutter is open",

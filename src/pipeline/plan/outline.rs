@@ -41,6 +41,8 @@ pub enum Reason {
     Change(Changes),
     /// Samples became random or returned to a grid, because area lights were switched.
     Samples,
+    /// Each frame has random numbers of its own.
+    Noise,
     /// An equal film existed, but memory was too small for it or for all its layers.
     Memory,
 }
@@ -74,7 +76,11 @@ fn reasons(sequence: &Sequence, plan: &Plan) -> Vec<(Reason, usize)> {
                 let values = |state: &FrameState| values(sequence, &sequence.timeline.clock(state.frame));
                 let mut changes = between(&values(&states[before]), &values(state));
                 changes.retain(|part| !part.is_weight());
-                if changes.is_empty() { Reason::Samples } else { Reason::Change(changes) }
+                match changes.is_empty() {
+                    true if state.random && sequence.quality.vary_noise => Reason::Noise,
+                    true => Reason::Samples,
+                    false => Reason::Change(changes),
+                }
             }
         };
         match found.iter_mut().find(|(other, _)| *other == reason) {

@@ -21,16 +21,21 @@ impl FilmSettings {
         self.quality.shares_views()
     }
 
+    /// Whether each frame has random numbers of its own.
+    pub fn varies_noise(&self) -> bool {
+        self.quality.vary_noise
+    }
+
     pub fn integrator(&self) -> Integrator {
         self.quality.integrator
     }
 
-    /// Feeds the settings that matter for films with random samples, or for films without.
-    pub fn feed(&self, random: bool, into: &mut Digester) {
+    /// Feeds the settings that matter for a frame's film with random samples, or without.
+    pub fn feed(&self, random: bool, frame: u32, into: &mut Digester) {
         let Self { size: (width, height), coverage, quality } = self;
         let Quality { integrator, bounces, filter, antialias, samples, .. } = quality;
         // Frames that share samples of views have digests of these views besides.
-        let Quality { threshold, clamp, smooth_terminator, seed, noise, points, denoise, .. } = quality;
+        let Quality { threshold, clamp, smooth_terminator, noise, points, denoise, .. } = quality;
         (*width, *height, *coverage).feed(into);
         (integrator, *bounces, filter).feed(into);
         (*clamp, *smooth_terminator, random).feed(into);
@@ -38,7 +43,7 @@ impl FilmSettings {
             threshold.feed(into);
         }
         if random {
-            (*seed, points).feed(into);
+            (quality.of_frame(frame).seed, points).feed(into);
             // Films that are not denoised keep their digests.
             if *denoise != Denoise::Off {
                 denoise.feed(into);

@@ -20,6 +20,7 @@ use crate::film::{AovSet, Film, LayerId};
 use crate::scene::Shading;
 use crate::scene::top_level::Bvh;
 use crate::sequence::Sequence;
+use crate::sequence::quality::Quality;
 use crate::trace::{Moment, TraceSettings};
 use crate::world::{Current, Now, ShapeUse, sky_table};
 use bevy_ecs::schedule::Schedule;
@@ -36,6 +37,8 @@ pub struct FrameLoop<S> {
     schedule: Schedule,
     timeline: Timeline,
     shutter: Shutter,
+    /// Settings of a sequence whose frames have random numbers of their own.
+    varied: Option<Quality>,
     /// Finds frames in which something moves while the shutter is open. None if no shutter ever opens.
     preview: Option<Preview>,
     /// The sequence, if frames must be evaluated to be traced: with a target error or if views share samples, other frames
@@ -78,12 +81,13 @@ impl<S: FilmSink> FrameLoop<S> {
         let quality = &sequence.quality;
         let sampled = quality.noise.is_some() || quality.shares_views() || sequence.active_camera.fades();
         let sampled = sampled.then(|| Arc::new(sequence.clone()));
-        let mark = None;
+        let (mark, varied) = (None, quality.vary_noise.then_some(*quality));
         Self {
             world,
             schedule: schedule::<S>(),
             timeline,
             shutter,
+            varied,
             preview,
             sampled,
             mark,
@@ -183,6 +187,9 @@ impl<S: FilmSink> FrameLoop<S> {
 
     /// Runs the stages for a moment of a frame.
     pub(super) fn run_moment(&mut self, clock: Clock, moment: Moment) -> Result<(), FrameError> {
+        if let Some(quality) = &self.varied {
+            self.world.resource_mut::<RenderSettings>().0.quality = quality.of_frame(clock.frame);
+        }
         self.world.insert_resource(Now(clock));
         self.world.insert_resource(CurrentMoment(moment));
         self.world.resource_mut::<Stopwatch>().start();

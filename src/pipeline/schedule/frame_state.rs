@@ -32,7 +32,8 @@ pub struct FrameState {
     /// Whether samples are random.
     pub random: bool,
     /// Digest of the camera, lights, sky, ambient light and fog, and of whether a moment needs random samples: frames that
-    /// agree in it differ in objects and their materials only. None if it changes while the shutter is open.
+    /// agree in it differ in objects and their materials only. None if it changes while the shutter is open, or
+    /// if each frame has random numbers of its own.
     pub surroundings: Option<Digest>,
     /// What the frame has in common with others of which it may share samples, and its view. None if it may share none.
     pub viewpoint: Option<(Digest, View)>,
@@ -69,6 +70,8 @@ pub enum ViewObstacle {
     Target,
     /// Frames are denoised, so each needs samples of its own.
     Denoise,
+    /// Each frame has random numbers of its own.
+    Noise,
     /// Light depends on more than the direction of a ray: the camera has a lens, or its rays are parallel.
     Lens,
     Parallel,

@@ -12,6 +12,7 @@ use crate::film::filter::FilterSampler;
 use crate::scene::top_level::Bvh;
 use crate::scene::{Geometry, Scene, Shading, Weights};
 use crate::sequence::Sequence;
+use crate::sequence::quality::Quality;
 use crate::trace::{Moment, TraceSettings};
 use crate::world::{Current, Now, ShapeUse, sky_table};
 use bevy_ecs::schedule::common_conditions::resource_changed;
@@ -25,6 +26,8 @@ pub struct PreparedWorld {
     timeline: Timeline,
     shutter: Shutter,
     pub settings: TraceSettings,
+    /// Settings of a sequence whose frames have random numbers of their own.
+    varied: Option<Quality>,
 }
 
 impl PreparedWorld {
@@ -44,7 +47,8 @@ impl PreparedWorld {
         let rebuilt = accelerate.run_if(resource_changed::<Current<Geometry>>);
         schedule.add_systems(rebuilt.in_set(FrameStage::Accelerate));
         let (timeline, shutter) = (sequence.timeline, Shutter::new(sequence));
-        Self { world, schedule, timeline, shutter, settings }
+        let varied = sequence.quality.vary_noise.then_some(sequence.quality);
+        Self { world, schedule, timeline, shutter, settings, varied }
     }
 
     /// The moments of a frame, or the first one only if all are equal.
@@ -69,6 +73,9 @@ impl PreparedWorld {
 
     /// Runs the stages up to Accelerate.
     pub fn prepare(&mut self, now: Clock, moment: Moment) -> Result<(), FrameError> {
+        if let Some(quality) = &self.varied {
+            self.settings.quality = quality.of_frame(now.frame);
+        }
         self.world.insert_resource(Now(now));
         self.world.insert_resource(CurrentMoment(moment));
         self.world.resource_mut::<Stopwatch>().start();

@@ -133,14 +133,18 @@ impl Preview {
         }
         let surroundings = found.first().map(|one| one.surroundings);
         let surroundings = surroundings.filter(|first| found.iter().all(|one| one.surroundings == *first));
+        let random = found.len() > 1 || found.first().is_some_and(|one| one.random);
+        // Frames with random numbers of their own share no paths.
+        let own_noise = random && self.settings.varies_noise();
+        let surroundings = surroundings.filter(|_| !own_noise);
         let viewpoint = match &found[..] {
+            _ if own_noise => Err(ViewObstacle::Noise),
             [one] => one.viewpoint,
             _ => Err(ViewObstacle::Shutter),
         };
-        let random = found.len() > 1 || found.first().is_some_and(|one| one.random);
         let digester = |of: &dyn Fn(&MomentState) -> Digest| {
             let mut digester = Digester::new();
-            self.settings.feed(random, &mut digester);
+            self.settings.feed(random, frame, &mut digester);
             found.iter().map(|one| (of(one), one.random)).collect::<Vec<_>>().feed(&mut digester);
             fault.is_some().feed(&mut digester);
             digester
