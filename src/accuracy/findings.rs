@@ -7,6 +7,7 @@ mod fireflies;
 mod parts;
 mod robust;
 mod summary;
+mod temporal;
 mod text;
 
 pub use advice::Advice;

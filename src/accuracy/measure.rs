@@ -8,11 +8,13 @@ mod reference;
 mod request;
 mod results;
 mod sizing;
+mod temporal;
 
 pub use cost::SequenceCost;
 pub use measured::Measured;
 pub use point::{Layer, Point};
 pub use request::MeasurementRequest;
+pub use temporal::TemporalError;
 
 use super::chains::chains;
 use super::precision::precision;
@@ -49,6 +51,10 @@ pub fn measure(
     let reference = benchmark.reference()?;
     benchmark.run(&reference, start + request.time)?;
     let layers = benchmark.layers(&reference, sequence)?;
+    let temporal = match request.frames.first() {
+        Some(&first) => benchmark.temporal(&reference, sequence, first)?,
+        None => None,
+    };
     let Benchmark { mut settings, results, .. } = benchmark;
     let chains = match (settings.random, sequence.quality.integrator) {
         (true, Integrator::Path(_)) => chains(&renderer, sequence, &sequence.quality, results[0].errors()),
@@ -84,6 +90,7 @@ pub fn measure(
         wanted: reference.displayed.clone(),
         layers,
         chains,
+        temporal,
         robustness,
         precision: precision(),
         took: start.elapsed(),

@@ -26,7 +26,7 @@ pub use chains::Chain;
 pub use change::{RemovableEffect, SceneChange};
 pub use findings::{Advice, describe};
 pub use layering::Layering;
-pub use measure::{Layer, Measured, MeasurementRequest, Point, SequenceCost, measure};
+pub use measure::{Layer, Measured, MeasurementRequest, Point, SequenceCost, TemporalError, measure};
 pub use precision::{MethodSummary, method_summaries, wrong_answers};
 pub use settings::{Experiment, LeftOut, Setting, SettingAxis};
 pub use statistics::{Bias, Concentration, ConfidenceInterval, Quartiles};

@@ -43,6 +43,13 @@ impl Renderer {
         Ok(Self { sequence: sequence.clone(), frames: frames.to_vec(), pool: pool(threads)? })
     }
 
+    /// A renderer of other frames, with the size and the number of threads of another one.
+    pub fn of_frames(other: &Self, sequence: &Sequence, frames: &[u32]) -> Result<Self, RenderError> {
+        let mut renderer = Self::new(sequence, frames, NonZeroUsize::new(other.threads()))?;
+        renderer.resize(other.size());
+        Ok(renderer)
+    }
+
     /// Sets the size of the pictures, in pixels.
     pub fn resize(&mut self, size: (u32, u32)) {
         self.sequence.output.size = size;

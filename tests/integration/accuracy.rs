@@ -98,8 +98,17 @@ fn a_report_has_the_price_list_of_its_scene() {
         "{:?}",
         measured.chains
     );
+    // The window brightens, so the noise of its light changes a little, and the squared errors of frames with numbers of
+    // their own add up.
+    let temporal = measured.temporal.as_ref().expect("several frames");
+    let varied = temporal.varied.expect("random samples").mean;
+    assert_eq!(temporal.frames, [5, 6]);
+    assert!(temporal.change > 0.0 && temporal.same.mean > 0.0, "{temporal:?}");
+    assert!(temporal.same.mean < 0.1 * varied, "{temporal:?}");
+    assert!((1.2..4.0).contains(&(varied / measured.own().squared.mean)), "{temporal:?}");
     let page = report(&measured);
     for wanted in [
+        "From frame 5 to 6",
         "What robustness costs in this scene",
         "without light &quot;lamp&quot;",
         "data:image/png;base64,",
@@ -120,4 +129,8 @@ fn a_picture_without_chance_has_grids_to_choose_from() {
     assert!(lines.iter().any(|line| line.starts_with("Half the time: ")), "{lines:#?}");
     assert!(f64::from(measured.reference) >= 16.0 * 16.0, "{}", measured.reference);
     assert!(report(&measured).contains("Price list of this scene"));
+    // Edges are equally wrong in both frames, but what they separate has another brightness.
+    let temporal = measured.temporal.expect("several frames");
+    assert!(temporal.varied.is_none() && temporal.same.mean > 0.0, "{temporal:?}");
+    assert!(temporal.same.mean < 0.1 * temporal.change, "{temporal:?}");
 }

@@ -12,6 +12,7 @@ impl Measured {
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![self.heading(), self.now(), self.film()];
         lines.extend(self.advice().into_iter().take(2).map(|advice| advice.line()));
+        lines.extend(self.flicker());
         lines.extend(self.sobol());
         lines.extend(self.adaptive());
         lines.extend(self.dearest());

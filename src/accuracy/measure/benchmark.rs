@@ -17,9 +17,9 @@ use std::time::Instant;
 
 /// A running measurement: its settings, the results so far, and the progress.
 pub struct Benchmark<'a> {
-    renderer: &'a Renderer,
+    pub(super) renderer: &'a Renderer,
     pub settings: Experiment,
-    own: Quality,
+    pub(super) own: Quality,
     pub results: Vec<SettingResults>,
     progress: &'a mut dyn FnMut(f64),
     done: f64,
@@ -46,9 +46,19 @@ impl<'a> Benchmark<'a> {
         samples: f64,
     ) -> Result<Rendering, RenderError> {
         let rendering = self.renderer.render_changed(quality, change)?;
+        self.advance(samples);
+        Ok(rendering)
+    }
+
+    /// Reports `samples` per pixel as done.
+    pub(super) fn advance(&mut self, samples: f64) {
         self.done += samples;
         (self.progress)((self.done / self.whole).min(1.0));
-        Ok(rendering)
+    }
+
+    /// The grid of the first reference, if nothing is random.
+    pub(super) fn finest_grid(&self) -> u32 {
+        libm::sqrt(f64::from(self.settings.reference)).ceil() as u32
     }
 
     /// Renders the two references: the file's own setting with many samples.
@@ -61,7 +71,7 @@ impl<'a> Benchmark<'a> {
                 true => self.long(quality, which)?,
                 // Two fine grids with samples at different positions.
                 false => {
-                    let finest = libm::sqrt(f64::from(self.settings.reference)).ceil() as u32 + which;
+                    let finest = self.finest_grid() + which;
                     let samples = f64::from(finest * finest);
                     self.render(&Quality { antialias: finest, ..*quality }, SceneChange::None, samples)?
                 }

@@ -2,6 +2,7 @@
 
 use super::cost::SequenceCost;
 use super::point::{Layer, Point};
+use super::temporal::TemporalError;
 use crate::accuracy::chains::Chain;
 use crate::accuracy::precision::MethodSummary;
 use crate::accuracy::robustness::Robustness;
@@ -37,6 +38,8 @@ pub struct Measured {
     pub layers: Vec<Layer>,
     /// The paths that cause most of the noise in the worst pixels.
     pub chains: Vec<Chain>,
+    /// How wrong the change to the next frame is; `None` if the sequence has one frame only.
+    pub temporal: Option<TemporalError>,
     /// What robustness costs on the scene's own rays; `None` if the frame has no camera.
     pub robustness: Option<Robustness>,
     /// The summary of the hard cases, which is the same for all sequences.

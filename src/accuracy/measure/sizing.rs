@@ -1,6 +1,7 @@
 //! Chooses the size of the pictures so that a measurement takes about the requested time, and predicts its memory.
 
 use super::request::MeasurementRequest;
+use super::temporal::temporal_samples;
 use crate::accuracy::change::{RemovableEffect, SceneChange};
 use crate::accuracy::image_error::mean_squared_error;
 use crate::accuracy::renderer::Renderer;
@@ -159,7 +160,7 @@ pub fn fit_size(
 /// Samples per pixel over all renders of a measurement.
 pub fn total_samples(settings: &Experiment) -> f64 {
     let results: f64 = settings.all.iter().map(|setting| f64::from(setting.runs) * setting.samples).sum();
-    results + 2.0 * f64::from(settings.reference)
+    results + 2.0 * f64::from(settings.reference) + temporal_samples(settings)
 }
 
 /// The largest size of the same aspect ratio with at most `pixels` pixels.

@@ -31,6 +31,7 @@ pub fn page(measured: &Measured, origin: &Origin) -> Result<String, Box<dyn Erro
     }
     curve::pictures(&mut html, measured)?;
     curve::prices(&mut html, measured);
+    details::temporal(&mut html, measured);
     scene::parts(&mut html, measured);
     robust::robustness(&mut html, measured)?;
     scene::fireflies(&mut html, measured)?;

@@ -105,10 +105,26 @@ pub fn json(measured: &Measured, origin: &Origin) -> String {
         "precision": precision.collect::<Map<_, _>>(),
         "chains": chains.collect::<Vec<_>>(),
         "robustness": robustness(measured),
+        "temporal": temporal(measured),
         "left_out": left_out.collect::<Map<_, _>>(),
         "points": points.collect::<Vec<_>>(),
     })));
     line(all) + "\n"
+}
+
+/// The error of the change to the next frame, as a fraction of the mean brightness.
+fn temporal(measured: &Measured) -> Option<Value> {
+    let found = measured.temporal.as_ref()?;
+    let error = |squared: ConfidenceInterval| {
+        let error = squared.root().map(|error| measured.share(error));
+        json!({ "error": error.mean, "low": error.low, "high": error.high })
+    };
+    Some(json!({
+        "frames": found.frames,
+        "same": error(found.same),
+        "vary_noise": found.varied.map(error),
+        "change": measured.share(found.change.sqrt()),
+    }))
 }
 
 /// The cost of robustness on the scene's own rays.

@@ -4,6 +4,7 @@ use super::html::Html;
 use super::origin::Origin;
 use crate::accuracy::measure::Measured;
 use crate::accuracy::settings::SettingAxis;
+use crate::accuracy::statistics::ConfidenceInterval;
 use crate::base::units::{factor, percent};
 
 pub fn convergence(html: &mut Html, measured: &Measured) {
@@ -28,6 +29,39 @@ pub fn convergence(html: &mut Html, measured: &Measured) {
         html.raw("</tr>\n");
     }
     html.raw("</table>\n");
+}
+
+/// The error of the change from one frame to the next.
+pub fn temporal(html: &mut Html, measured: &Measured) {
+    let Some(found) = &measured.temporal else { return };
+    let [before, after] = found.frames;
+    html.tag("h2", &format!("From frame {before} to {after}"));
+    html.tag(
+        "p",
+        "What flickers is not the error of a picture but the error of the change from one frame to the next. Frames \
+         have the same random numbers unless vary_noise is set. So where nothing changes, noise stands still like \
+         dirt on a lens, and where something does, the errors of both frames partly cancel. With vary_noise, each \
+         frame has noise of its own: it flickers, but in motion the eye takes the mean of several frames.",
+    );
+    let share = |squared: ConfidenceInterval| {
+        let error = squared.root().map(|error| measured.share(error));
+        match error.high > error.low {
+            true => format!("{} ({} to {})", percent(error.mean), percent(error.low), percent(error.high)),
+            false => percent(error.mean),
+        }
+    };
+    let mut rows = vec![
+        ("one picture".to_owned(), share(measured.own().squared)),
+        ("the change, same random numbers".to_owned(), share(found.same)),
+    ];
+    if let Some(varied) = found.varied {
+        rows.push(("the change, vary_noise".to_owned(), share(varied)));
+    } else {
+        rows[1].0 = "the change".to_owned();
+    }
+    rows.push(("size of the change itself".to_owned(), percent(measured.share(found.change.sqrt()))));
+    let rows = rows.into_iter().map(|(what, error)| (false, vec![what, error]));
+    html.table("list", &["of", "error, of the mean brightness"], rows);
 }
 
 pub fn layers(html: &mut Html, measured: &Measured) {
