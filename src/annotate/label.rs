@@ -18,7 +18,7 @@ pub struct Label {
     /// Whether a line leads from the text to the point.
     pub leader: bool,
     pub behind: Behind,
-    /// Whether it moves to another side of its point if it would lie on an earlier text.
+    /// Whether it moves to another side of its point if it would lie on an earlier text or on a block.
     pub avoid: bool,
 }
 
@@ -91,7 +91,7 @@ impl Label {
         block.moved(inner).for_each(|mark| painter.push(mark));
     }
 
-    /// The rectangle of the label: the first one in a fixed order that touches nothing before, or else the one that the
+    /// The rectangle of the label: the first one in a fixed order that touches no earlier text and no block, or else the one that the
     /// offset asks for. All are within the picture.
     fn place(&self, painter: &Painter<'_>, point: DVec2, offset: DVec2, size: DVec2) -> PixelBox {
         let whole = DVec2::new(painter.view.width(), painter.view.height());

@@ -87,6 +87,20 @@ impl AnnotationKind {
     pub fn needs_rays(&self) -> bool {
         matches!(self, Self::Label(label) if label.behind != Behind::Show)
     }
+
+    /// Whether it is a block at a place of the picture.
+    fn is_block(&self) -> bool {
+        matches!(
+            self,
+            Self::Caption(_)
+                | Self::ColorBar(_)
+                | Self::Progress(_)
+                | Self::Image(_)
+                | Self::Plot(_)
+                | Self::Triad(_)
+                | Self::ScaleBar(_)
+        )
+    }
 }
 
 impl Annotation {
@@ -177,13 +191,19 @@ impl Annotation {
 
 /// What annotations draw over a frame, in their order.
 pub fn drawing(annotations: &[Annotation], view: &FrameView<'_>) -> Drawing {
+    let shown: Vec<(&Annotation, f64)> = annotations
+        .iter()
+        .filter(|annotation| annotation.visible.at(view.time))
+        .map(|annotation| (annotation, annotation.opacity.at(view.time)))
+        .filter(|(_, opacity)| *opacity > 0.0)
+        .collect();
     let mut painter = Painter::new(view);
-    for annotation in annotations {
-        let opacity = annotation.opacity.at(view.time);
-        if annotation.visible.at(view.time) && opacity > 0.0 {
-            painter.begin(annotation, opacity);
-            annotation.paint(&mut painter);
-        }
+    // Labels leave room for blocks that are drawn after them. The places of blocks depend on other blocks only.
+    if shown.iter().any(|(annotation, _)| matches!(annotation.kind, AnnotationKind::Label(_))) {
+        let mut blocks = Painter::new(view);
+        shown.iter().filter(|shown| shown.0.kind.is_block()).for_each(|shown| blocks.paint(shown));
+        painter.keep_free(blocks);
     }
+    shown.iter().for_each(|shown| painter.paint(shown));
     Drawing { marks: painter.finish() }
 }

@@ -58,8 +58,19 @@ impl<'a> Painter<'a> {
         }
     }
 
+    /// Draws an annotation with an opacity.
+    pub fn paint(&mut self, (annotation, opacity): &(&Annotation, f64)) {
+        self.begin(annotation, *opacity);
+        annotation.paint(self);
+    }
+
+    /// Keeps labels away from the blocks of another painter.
+    pub fn keep_free(&mut self, other: Self) {
+        self.taken.extend(other.blocks);
+    }
+
     /// Begins an annotation.
-    pub fn begin(&mut self, annotation: &Annotation, opacity: f64) {
+    fn begin(&mut self, annotation: &Annotation, opacity: f64) {
         self.fade();
         (self.first, self.opacity) = (self.marks.len(), opacity);
         self.pen = Pen::new(&annotation.style, self.view.time, self.view.height());

@@ -167,6 +167,22 @@ fn blocks_keep_out_of_each_others_way() {
 }
 
 #[test]
+fn labels_avoid_blocks_that_are_drawn_later() {
+    let position = PanelPosition { place: PanelPlace::Center, offset: Offset::ZERO };
+    let block = annotation(AnnotationKind::Caption(CaptionText { text: template("a block"), position }));
+    let label = annotation(AnnotationKind::Label(label("a label", DVec3::ZERO, Offset::ZERO)));
+    let boxes = |all: &[Annotation]| -> Vec<painter::PixelBox> {
+        drawn(all, camera(), (640, 360), false).text_boxes().map(|(_, bounds)| bounds).collect()
+    };
+    let (before, after) = (boxes(&[label.clone(), block.clone()]), boxes(&[block.clone(), label.clone()]));
+    assert!(!painter::touch(before[0], before[1]), "{before:?}");
+    assert_eq!((before[0], before[1]), (after[1], after[0]));
+    // The block stays where it is without the label.
+    assert_eq!(boxes(&[block])[0], before[1]);
+    assert!(painter::touch(boxes(&[label])[0], before[1]));
+}
+
+#[test]
 fn a_caption_changes_its_corner_only() {
     for (name, place) in PanelPlace::NAMED {
         let AnnotationKind::Caption(caption) = Annotation::caption(Template::default()).kind else {
