@@ -39,16 +39,38 @@ pub struct FrameLoop<S> {
     shutter: Shutter,
     /// Settings of a sequence whose frames have random numbers of their own.
     varied: Option<Quality>,
-    /// Finds frames in which something moves while the shutter is open. None if no shutter ever opens.
-    preview: Option<Preview>,
-    /// The sequence, if frames must be evaluated to be traced: with a target error or if views share samples, other frames
-    /// affect the samples of a frame; and cross-fades have two films.
-    sampled: Option<Arc<Sequence>>,
+    /// How frames are evaluated that are rendered without a state.
+    evaluation: Evaluation,
     /// Where the measurement of the current frame began. None unless frames are reported.
     mark: Option<FrameMark>,
     /// The films of the cameras that showed the last frame together.
     pub(super) faded: Vec<FadedFilm>,
     sink: PhantomData<S>,
+}
+
+/// How frames are evaluated that are rendered without a state. A run evaluates all frames once, before it begins.
+enum Evaluation {
+    /// A frame has one moment, and depends on no other frame.
+    Unneeded,
+    /// A shutter opens: a preview finds the frames in which something moves meanwhile.
+    Moments(Arc<Sequence>, Option<Box<Preview>>),
+    /// With a target error or if views share samples, other frames affect the samples of a frame; and cross-fades have two
+    /// films.
+    States(Arc<Sequence>),
+}
+
+impl Evaluation {
+    fn of(sequence: &Sequence) -> Self {
+        let quality = &sequence.quality;
+        let copy = || Arc::new(sequence.clone());
+        if quality.noise.is_some() || quality.shares_views() || sequence.active_camera.fades() {
+            Self::States(copy())
+        } else if sequence.blurs_motion() {
+            Self::Moments(copy(), None)
+        } else {
+            Self::Unneeded
+        }
+    }
 }
 
 #[warn(missing_docs)]
@@ -77,10 +99,7 @@ impl<S: FilmSink> FrameLoop<S> {
         world.insert_resource(Sink(sink));
         world.insert_resource(RunProgress(meter));
         let (timeline, shutter) = (sequence.timeline, Shutter::new(sequence));
-        let preview = sequence.blurs_motion().then(|| Preview::new(sequence));
-        let quality = &sequence.quality;
-        let sampled = quality.noise.is_some() || quality.shares_views() || sequence.active_camera.fades();
-        let sampled = sampled.then(|| Arc::new(sequence.clone()));
+        let (quality, evaluation) = (&sequence.quality, Evaluation::of(sequence));
         let (mark, varied) = (None, quality.vary_noise.then_some(*quality));
         Self {
             world,
@@ -88,8 +107,7 @@ impl<S: FilmSink> FrameLoop<S> {
             timeline,
             shutter,
             varied,
-            preview,
-            sampled,
+            evaluation,
             mark,
             faded: Vec::new(),
             sink: PhantomData,
@@ -104,12 +122,16 @@ impl<S: FilmSink> FrameLoop<S> {
     /// Renders one frame separately and pushes its film to the sink. After an error, the loop cannot render further
     /// frames.
     pub fn frame(&mut self, frame: u32) -> Result<(), FrameError> {
-        if let Some(sequence) = self.sampled.clone()
-            && let [state] = &frame_states(&sequence, &[frame], &Stop::default())[..]
-        {
-            return self.trace_alone(state).map(|_| ());
-        }
-        let still = self.preview.as_mut().is_none_or(|preview| preview.state(frame).moments == 1);
+        let still = match &mut self.evaluation {
+            Evaluation::Unneeded => true,
+            Evaluation::Moments(sequence, preview) => {
+                preview.get_or_insert_with(|| Box::new(Preview::new(sequence))).state(frame).moments == 1
+            }
+            Evaluation::States(sequence) => match &frame_states(sequence, &[frame], &Stop::default())[..] {
+                [state] => return self.trace_alone(state).map(|_| ()),
+                _ => true,
+            },
+        };
         let moments = self.moments(frame, still);
         self.run(&moments)
     }
