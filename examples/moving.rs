@@ -81,12 +81,8 @@ fn measure(case: &str) -> Result<(), Box<dyn Error>> {
     let sequence = load(&path).map_err(|faults| faults.to_string())?;
     let loaded = start.elapsed().as_secs_f64();
     let plan = planned(&sequence, (30_000 / (moving + 1)).clamp(1, 300))?;
-    let mut frames = FrameLoop::new(&sequence, FilmCollector::default(), Arc::default());
-    let mut seen: Vec<Stats> = Vec::new();
-    for frame in 0..FRAMES {
-        frames.frame(frame).map_err(|error| format!("{error:?}"))?;
-        seen.push(frames.stats().clone());
-    }
+    // As in a run, on a thread of the pool.
+    let seen = rayon::ThreadPoolBuilder::new().build()?.install(|| rendered(&sequence))?;
     let [animate, extract, accelerate, trace] =
         [FrameStage::Animate, FrameStage::Extract, FrameStage::Accelerate, FrameStage::Trace]
             .map(|stage| median_ms(&seen, stage));
@@ -100,6 +96,17 @@ fn measure(case: &str) -> Result<(), Box<dyn Error>> {
         resident().map_or("-".to_owned(), |bytes| (bytes >> 20).to_string()),
     )?;
     Ok(())
+}
+
+/// The statistics after each frame.
+fn rendered(sequence: &Sequence) -> Result<Vec<Stats>, String> {
+    let mut frames = FrameLoop::new(sequence, FilmCollector::default(), Arc::default());
+    let mut seen: Vec<Stats> = Vec::new();
+    for frame in 0..FRAMES {
+        frames.frame(frame).map_err(|error| format!("{error:?}"))?;
+        seen.push(frames.stats().clone());
+    }
+    Ok(seen)
 }
 
 /// Milliseconds for the plan to evaluate a frame after the first, on one thread: the difference of runs of two lengths,

@@ -18,7 +18,7 @@ use driver::{Driver, Preview};
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 fn main() {
     let folder = std::env::args().nth(1).filter(|argument| !argument.starts_with('-'));
@@ -33,6 +33,7 @@ fn main() {
     edits(&driver, &shots);
     controls(&driver, &shots);
     timeline(&driver, &shots);
+    speeds(&driver);
     println!("ok: the page works; screenshots are in {}", shots.display());
 }
 
@@ -51,16 +52,6 @@ fn edits(driver: &Driver, shots: &Path) {
     let pixel =
         "return Array.from(context.getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data).join()";
     let before = driver.run(pixel);
-    let mut times: Vec<Duration> = Vec::new();
-    for color in ["#1c8434", "#c8a040", "#8844aa", "#2090c0", "#d8341c"] {
-        driver.run(&format!("window.seen = state.generation"));
-        preview.save(&text.replace("#9cc0e0", color));
-        let start = Instant::now();
-        driver.until("return state.generation > window.seen && state.stride > 0");
-        times.push(start.elapsed());
-    }
-    println!("saved to shown in the page: {times:?}");
-    driver.until("return $('status').textContent === 'Picture complete'");
     assert!(!before.is_null());
     preview.save(&text.replace("Sphere(center", "Sfere(center").replace("mirror: 0.12", "miror: 0.12"));
     driver.until("return !$('diagnostics').hidden && $('messages').textContent.includes('Sfere')");
@@ -155,4 +146,69 @@ fn timeline(driver: &Driver, shots: &Path) {
     // Another page takes over, and this one says so.
     driver.run("fetch('own?page=other', { method: 'POST' })");
     driver.until("return !$('elsewhere').hidden");
+}
+
+/// Changes whose times are measured.
+const CHANGES: usize = 9;
+
+/// Prints the times from a change to its pictures, in milliseconds. On a quiet machine they are the figures of the preview.
+fn speeds(driver: &Driver) {
+    let complete = "return $('status').textContent === 'Picture complete'";
+    let watched = |text: &str, options: &[&str]| {
+        let preview = Preview::start(text, options);
+        driver.open(&preview.address);
+        driver.until(complete);
+        driver.run(
+            "const draw = context.drawImage.bind(context); \
+             context.drawImage = (...all) => { draw(...all); window.draws.push(Date.now()); }; window.draws = []",
+        );
+        preview
+    };
+    // The first and the last picture after a change that `act` makes.
+    let times = |act: &dyn Fn(usize)| -> [f64; 2] {
+        let measured = (0..CHANGES).map(|change| {
+            driver.run("window.draws = []");
+            let start = SystemTime::now().duration_since(UNIX_EPOCH).expect("a time").as_secs_f64() * 1e3;
+            act(change);
+            driver.until("return window.draws.length > 0");
+            driver.until(complete);
+            ["return window.draws[0]", "return window.draws.at(-1)"]
+                .map(|which| driver.run(which).as_f64().expect("a time") - start)
+        });
+        let measured: Vec<[f64; 2]> = measured.collect();
+        [0, 1].map(|which: usize| {
+            let mut all: Vec<f64> = measured.iter().map(|times| times[which]).collect();
+            all.sort_by(f64::total_cmp);
+            all[CHANGES / 2]
+        })
+    };
+    let text = shipped("hello.ron");
+    let hello = watched(&text, &[]);
+    let [first, whole] = times(&|change| hello.save(&text.replace("#9cc0e0", &format!("#9cc0{change}0"))));
+    println!("hello saved: first picture {first:.0} ms, whole frame {whole:.0} ms");
+    let press = "document.body.dispatchEvent(new KeyboardEvent('keydown', { key: '1', bubbles: true }))";
+    let [light, _] = times(&|_| drop(driver.run(press)));
+    println!("light switched: {light:.0} ms");
+    drop(hello);
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let text = shipped("room.ron").replace("../assets", &assets.display().to_string());
+    let room = watched(&text, &["--allow-outside"]);
+    let bounces = |change: usize| text.replace("bounces: 8", &format!("bounces: {}", 1 + change % 7));
+    let [first, whole] = times(&|change| room.save(&bounces(change)));
+    println!("room saved: first picture {first:.0} ms, whole frame {whole:.0} ms");
+    drop(room);
+    // A command is answered when what is being traced has stopped for it.
+    let large = Preview::start(&text, &["-s", "1920x1080", "--allow-outside"]);
+    driver.open(&large.address);
+    let answered = (0..CHANGES).map(|_| {
+        driver.until("return state.stride > 0 && state.stride < 4");
+        let answer = "return (async () => { const start = performance.now(); \
+                      await send({ do: 'camera', move: 'orbit', x: 0.01, y: 0 }); \
+                      return performance.now() - start; })()";
+        driver.run(answer).as_f64().expect("a time")
+    });
+    let mut answered: Vec<f64> = answered.collect();
+    answered.sort_by(f64::total_cmp);
+    let (median, worst) = (answered[CHANGES / 2], answered[CHANGES - 1]);
+    println!("a picture of 1920x1080 stops in {median:.0} ms, at most {worst:.0} ms");
 }
