@@ -81,8 +81,13 @@ counts! {
         once,
         /// Paths of a frame that were traced again, because they could meet something that moved.
         retraced,
-        /// Paths of frames in tiles that were traced frame by frame, because most paths change.
+        /// Paths of frames in tiles that were traced frame by frame, because sharing them gains too little.
         whole,
+        /// The work of the paths that were traced once, and of those that were traced again.
+        still_work,
+        retraced_work,
+        /// Tests of segments with movers that have trees of their own, such as meshes.
+        tests,
     }
 }
 

@@ -197,7 +197,10 @@ fn paths(summary: &Summary) -> Vec<String> {
         100.0 * paths.share()
     );
     if paths.whole > 0 {
-        text += &format!(", {} frame by frame in tiles where most paths change", units::count(paths.whole));
+        text += &format!(
+            ", {} frame by frame in tiles where sharing gains too little",
+            units::count(paths.whole)
+        );
     }
     vec![text]
 }
@@ -395,15 +398,17 @@ dropped undefined   2
     #[test]
     fn all_paths_that_were_traced_are_counted() {
         let mut summary = summary();
-        summary.counts.paths = SharedPaths { all: 31_104, once: 5_184, retraced: 284, whole: 0 };
+        summary.counts.paths =
+            SharedPaths { all: 31_104, once: 5_184, retraced: 284, whole: 0, ..SharedPaths::default() };
         let line =
             "paths   17.6 % traced of 31,104: 5,184 once for several frames, 284 again where something moved";
         assert!(text(&summary).contains(&format!("{line}\n")), "{}", text(&summary));
         let counts =
             r#""paths":{"all":31104,"traced":5468,"reused":25636,"retraced":284,"frame_by_frame":0}"#;
         assert!(json(&summary).contains(counts), "{}", json(&summary));
-        summary.counts.paths = SharedPaths { all: 40_000, once: 5_184, retraced: 284, whole: 8_896 };
-        let rest = ", 8,896 frame by frame in tiles where most paths change\n";
+        summary.counts.paths =
+            SharedPaths { all: 40_000, once: 5_184, retraced: 284, whole: 8_896, ..SharedPaths::default() };
+        let rest = ", 8,896 frame by frame in tiles where sharing gains too little\n";
         assert!(text(&summary).contains(rest), "{}", text(&summary));
     }
 

@@ -67,6 +67,16 @@ impl<'a> Slot<'a> {
 struct Mover<'a> {
     primitive: &'a Primitive,
     frames: FrameMask,
+    /// Whether it has a tree of its own.
+    has_tree: bool,
+}
+
+/// The frames in which a segment may meet a mover.
+#[derive(Clone, Copy, Debug)]
+pub struct FramesMet {
+    pub frames: FrameMask,
+    /// The number of tests with movers that have trees of their own.
+    pub tests: u32,
 }
 
 /// The primitives that differ between poses, each where it is in each of them.
@@ -96,8 +106,9 @@ impl<'a> Movers<'a> {
         test: (MoverTest, RayKind),
         (known, moment): (FrameMask, u32),
         stack: &mut Stack,
-    ) -> FrameMask {
+    ) -> FramesMet {
         let segment = Segment { ray, within, test };
+        let known = FramesMet { frames: known, tests: 0 };
         let known = self.always.frames_met::<L>(segment, known, stack);
         match self.moments.get(moment as usize) {
             Some(movers) => movers.frames_met::<L>(segment, known, stack),
@@ -132,7 +143,11 @@ impl<'a> MoverTree<'a> {
                     Some(at) if all[at].primitive == primitive => all[at].frames |= pose.frame,
                     _ => {
                         last = Some(all.len());
-                        all.push(Mover { primitive, frames: pose.frame });
+                        all.push(Mover {
+                            primitive,
+                            frames: pose.frame,
+                            has_tree: primitive.shape.has_tree(),
+                        });
                     }
                 }
             }
@@ -144,8 +159,8 @@ impl<'a> MoverTree<'a> {
     }
 
     #[inline(always)]
-    fn frames_met<L: Level>(&self, segment: Segment, known: FrameMask, stack: &mut Stack) -> FrameMask {
-        L::call(FramesMet { search: Search { movers: self, segment, frames: known }, stack })
+    fn frames_met<L: Level>(&self, segment: Segment, known: FramesMet, stack: &mut Stack) -> FramesMet {
+        L::call(TreeSearch { search: Search { movers: self, segment, met: known }, stack })
     }
 }
 
@@ -173,21 +188,21 @@ struct Segment<'a> {
 struct Search<'a> {
     movers: &'a MoverTree<'a>,
     segment: Segment<'a>,
-    frames: FrameMask,
+    met: FramesMet,
 }
 
 /// A search of a whole tree. It is a function of its own, as is each test of a mover: many loops search, and the tests
 /// of all shapes are long.
-struct FramesMet<'a, 's> {
+struct TreeSearch<'a, 's> {
     search: Search<'a>,
     stack: &'s mut Stack,
 }
 
-impl SimdKernel for FramesMet<'_, '_> {
-    type Output = FrameMask;
+impl SimdKernel for TreeSearch<'_, '_> {
+    type Output = FramesMet;
 
     #[inline(always)]
-    fn run<L: Level>(self) -> FrameMask {
+    fn run<L: Level>(self) -> FramesMet {
         let Self { mut search, stack } = self;
         let MoverTree { tree, bounded, all, .. } = search.movers;
         for index in *bounded..all.len() {
@@ -195,7 +210,7 @@ impl SimdKernel for FramesMet<'_, '_> {
         }
         let Segment { ray, within, .. } = search.segment;
         tree.walk_on::<L>(ray, within.max, &mut search, stack);
-        search.frames
+        search.met
     }
 }
 
@@ -203,8 +218,12 @@ impl Search<'_> {
     #[inline(always)]
     fn test<L: Level>(&mut self, index: usize) {
         let mover = &self.movers.all[index];
-        if mover.frames & !self.frames != 0 && L::call(Meets { mover, segment: self.segment }) {
-            self.frames |= mover.frames;
+        if mover.frames & !self.met.frames == 0 {
+            return;
+        }
+        self.met.tests += u32::from(mover.has_tree);
+        if L::call(Meets { mover, segment: self.segment }) {
+            self.met.frames |= mover.frames;
         }
     }
 }
@@ -220,7 +239,7 @@ impl SimdKernel for Meets<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) -> bool {
-        let Mover { primitive, .. } = self.mover;
+        let primitive = self.mover.primitive;
         let Segment { ray, within, test: (test, kind) } = self.segment;
         primitive.rays.has(kind)
             && match test {

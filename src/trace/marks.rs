@@ -25,6 +25,10 @@ pub struct Marks {
     pub moments: Vec<u32>,
     /// All frames.
     pub all: FrameMask,
+    /// The number of segments that hit nothing.
+    pub misses: u64,
+    /// The number of tests with movers that have trees of their own.
+    pub tests: u64,
     stack: Stack,
 }
 
@@ -55,7 +59,9 @@ impl Marks {
     ) {
         let slot = slot as usize;
         let state = (self.frames[slot], self.moments[slot]);
-        self.frames[slot] = movers.frames_met::<L>(ray, within, test, state, &mut self.stack);
+        let met = movers.frames_met::<L>(ray, within, test, state, &mut self.stack);
+        self.frames[slot] = met.frames;
+        self.tests += u64::from(met.tests);
     }
 
     /// Marks samples by their shadow rays in the lanes of two masks: rays that nothing blocks, and rays that pass
@@ -97,6 +103,7 @@ impl SimdKernel for MarkSegments<'_> {
     fn run<L: Level>(mut self) {
         for index in 0..self.paths.len() as u32 {
             let (primitive, t) = (self.hits.primitive[index as usize], self.hits.t[index as usize]);
+            self.marks.misses += u64::from(primitive == NOTHING);
             self.mark::<L>(index, (primitive != NOTHING).then_some(t), MoverTest::Hit);
         }
         // Where surfaces may coincide, other hits along the ray count too.

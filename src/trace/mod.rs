@@ -51,7 +51,9 @@ mod whitted;
 
 pub use adaptive::{AdaptiveFrame, MIN_SAMPLES, Weightings, bytes_of_pixel, first_round};
 pub use context::is_random;
-pub use path_reuse::{BYTES_PER_POSE, FramePose, MAX_FRAMES, PathObstacle, SharedFrames};
+pub use path_reuse::{
+    BYTES_PER_POSE, FramePose, MAX_FRAMES, PathObstacle, SharedFrames, sharing_pays, sharing_would_pay,
+};
 pub use pilot::{BlockError, PilotBlocks};
 pub use progressive::{ProgressiveFilm, Refinement, StageEnd, rays_of_pixel, rays_per_sample};
 pub use settings::{Moment, TraceSettings};

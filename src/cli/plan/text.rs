@@ -193,7 +193,7 @@ fn path_obstacle(obstacle: PathObstacle) -> &'static str {
         PathObstacle::Extent => "the extent of the scene differs, on which error bounds depend",
         PathObstacle::Sampling => "samples differ in kind or in the number of their moments",
         PathObstacle::Memory => "--film-cache has no room for copies of their scenes",
-        PathObstacle::Changes => "most paths change",
+        PathObstacle::Changes => "most paths change, or finding those that do takes too long",
     }
 }
 

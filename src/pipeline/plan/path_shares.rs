@@ -10,11 +10,12 @@ use crate::base::stats::ProgressMeter;
 use crate::film::LayerId;
 use crate::pipeline::schedule::{FrameLoop, FrameState};
 use crate::sequence::Sequence;
-use crate::trace::PathObstacle;
+use crate::trace::{MAX_FRAMES, PathObstacle, sharing_would_pay};
 use std::sync::Arc;
 
-/// Maximum number of groups of films that are measured.
+/// Maximum number of groups of films that are measured, and of the films of each: scenes take long to prepare.
 const GROUPS: usize = 4;
+const FILMS: usize = 8;
 
 /// How many paths of films are traced.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,10 +77,18 @@ fn share(
     let (mut alone, mut obstacle, mut tries) = (0, None, Tries::default());
     while alone + 1 < films {
         let lit: Vec<LayerId> = Plan::lit(&shared[alone..]);
-        let Ok(group) = frames.trace_together(&states[alone..], &lit, plan.scenes_budget()) else { break };
+        let few = &states[alone..films.min(alone + FILMS)];
+        let Ok(group) = frames.trace_together(few, &lit, plan.scenes_budget()) else { break };
         obstacle = obstacle.or(group.end);
         if !group.films.is_empty() {
-            let share = frames.stats().counts.paths.share();
+            // The films that were tried stand for more, unless something ended them.
+            let (counts, traced) = (frames.stats().counts, group.films.len());
+            let more = if traced < few.len() { traced } else { (films - alone).min(MAX_FRAMES) };
+            let share = match sharing_would_pay(&counts, more as f64 / traced as f64) {
+                // Every path once for all, and the same share of each film again.
+                true => counts.paths.share() - 1.0 / traced as f64 + 1.0 / more as f64,
+                false => 1.0,
+            };
             let all = (alone as f64 + share * (films - alone) as f64) / films as f64;
             let changes = (share >= 1.0).then_some(PathObstacle::Changes);
             return (all.min(1.0), changes.or(obstacle));

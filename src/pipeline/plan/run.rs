@@ -3,7 +3,7 @@
 use super::render_plan::Plan;
 use super::tries::Tries;
 use crate::film::Film;
-use crate::pipeline::schedule::{FilmSink, FrameError, FrameLoop, FrameState};
+use crate::pipeline::schedule::{FilmSink, FrameError, FrameLoop, FrameState, PathGroup};
 use std::collections::HashMap;
 
 /// Renders the plan's frames in order while `on` returns true. Then it pushes frames only as far as the last film that was
@@ -76,11 +76,17 @@ fn trace_together<S: FilmSink>(
     }
     let films = &plan.films[first..first + together];
     let states: Vec<&FrameState> = films.iter().map(|film| &plan.states.frames[film.frames[0]]).collect();
-    let traced = match views {
-        Some(_) => frames.trace_views(&states, &Plan::lit(films))?,
-        None => frames.trace_together(&states, &Plan::lit(films), plan.scenes_budget())?.films,
+    let group = match views {
+        Some(_) => {
+            PathGroup { films: frames.trace_views(&states, &Plan::lit(films))?, end: None, pays: true }
+        }
+        None => frames.trace_together(&states, &Plan::lit(films), plan.scenes_budget())?,
     };
-    let next = first + tries.next(together, traced.len());
-    kept.extend((first..).zip(traced));
-    Ok(next)
+    let traced = group.films.len();
+    let next = match group.pays {
+        true => tries.next(together, traced),
+        false => traced + tries.next(together - traced, 0),
+    };
+    kept.extend((first..).zip(group.films));
+    Ok(first + next)
 }

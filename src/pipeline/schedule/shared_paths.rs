@@ -11,7 +11,7 @@ use crate::camera::Camera;
 use crate::film::{Film, LayerId};
 use crate::scene::top_level::Bvh;
 use crate::scene::{Geometry, Scene, Shading, Weights};
-use crate::trace::{BYTES_PER_POSE, FramePose, MAX_FRAMES, Moment, PathObstacle, SharedFrames};
+use crate::trace::{BYTES_PER_POSE, FramePose, MAX_FRAMES, Moment, PathObstacle, SharedFrames, sharing_pays};
 use crate::world::Current;
 use std::sync::Arc;
 use std::time::Instant;
@@ -27,9 +27,9 @@ struct Snapshot {
 }
 
 impl Snapshot {
-    /// Bytes that the snapshot and what traces it add to those of the one before. Copies share the data of shapes, and the
-    /// first holds no more than the world does.
-    fn bytes_besides(&self, before: Option<&Self>) -> u64 {
+    /// Bytes that the snapshot and what traces it add to those of the one before, and bytes of the data of shapes that it
+    /// adds. Copies share these data, and the first holds no more than the world does.
+    fn bytes_besides(&self, before: Option<&Self>) -> [u64; 2] {
         let primitives = &self.geometry.primitives;
         let others = before.map_or(primitives, |before| &before.geometry.primitives);
         let pairs = primitives.iter().zip(others);
@@ -38,7 +38,8 @@ impl Snapshot {
         let shading = self.shading.materials.len() * BYTES_PER_MATERIAL
             + textures * BYTES_PER_TEXTURE
             + self.shading.lights.len() * BYTES_PER_LIGHT;
-        data + (size_of::<Self>() + BYTES_PER_POSE + primitives.len() * BYTES_PER_PRIMITIVE + shading) as u64
+        let own = size_of::<Self>() + BYTES_PER_POSE + primitives.len() * BYTES_PER_PRIMITIVE + shading;
+        [own as u64, data]
     }
 
     fn pose<'a>(&'a self, weights: &'a Weights) -> FramePose<'a> {
@@ -46,6 +47,9 @@ impl Snapshot {
         FramePose { frame: *frame, moment: *moment, scene: Scene { geometry, shading, weights, camera }, bvh }
     }
 }
+
+/// Maximum bytes of meshes and particles that change from frame to frame: a run holds a few steps of a series at a time.
+const MAX_SHAPE_DATA: u64 = 1 << 28;
 
 /// Bytes per primitive of a snapshot: its place in the geometry, in the tree and in their tables.
 const BYTES_PER_PRIMITIVE: usize = 1 << 10;
@@ -62,6 +66,8 @@ pub struct PathGroup {
     pub films: Vec<Film>,
     /// Why the next frame was not traced with them. None if there is no next frame.
     pub end: Option<PathObstacle>,
+    /// Whether they were less work than each alone.
+    pub pays: bool,
 }
 
 /// Weights that light these layers.
@@ -87,7 +93,7 @@ impl<S: FilmSink> FrameLoop<S> {
         let weights = weights_of(first, lit);
         let (snapshots, end) = self.without_tracing(|frames| frames.snapshots(states, &weights, budget))?;
         if snapshots.last().is_none_or(|last| last.frame == 0) {
-            return Ok(PathGroup { films: Vec::new(), end });
+            return Ok(PathGroup { films: Vec::new(), end, pays: false });
         }
         let _span = tracing::info_span!("trace together", first = first.frame).entered();
         let start = Instant::now();
@@ -95,7 +101,8 @@ impl<S: FilmSink> FrameLoop<S> {
         let poses: Vec<FramePose> = snapshots.iter().map(|snapshot| snapshot.pose(&weights)).collect();
         let meter = Arc::clone(&self.world.resource::<RunProgress>().0);
         let traced = SharedFrames::new(&poses, settings).trace(&meter);
-        Ok(PathGroup { films: self.recorded(traced, start), end })
+        let pays = traced.as_ref().is_some_and(|(_, counts)| sharing_pays(counts));
+        Ok(PathGroup { films: self.recorded(traced, start), end, pays })
     }
 
     /// Snapshots of all moments of the first frames that can share paths, and why the next frame cannot.
@@ -106,19 +113,21 @@ impl<S: FilmSink> FrameLoop<S> {
         budget: u64,
     ) -> Result<(Vec<Snapshot>, Option<PathObstacle>), FrameError> {
         let mut all: Vec<Snapshot> = Vec::new();
-        let mut bytes = 0;
+        let (mut bytes, mut data) = (0, 0);
         for (frame, state) in states.iter().take(MAX_FRAMES).enumerate() {
             let before = all.len();
             for (clock, moment) in self.moments(state.frame, state.moments == 1) {
                 self.run_moment(clock, moment)?;
                 let Some(snapshot) = self.snapshot(frame, moment) else { return Ok((Vec::new(), None)) };
-                bytes += snapshot.bytes_besides(all.last());
+                let [own, of_shapes] = snapshot.bytes_besides(all.last());
+                (bytes, data) = (bytes + own + of_shapes, data + of_shapes);
                 let settings = &self.world.resource::<RenderSettings>().0;
                 let pose = snapshot.pose(weights);
                 let others = [all.first(), all.iter().find(|other| other.moment.of > 1)];
                 let apart = |other: &&Snapshot| pose.obstacle(&other.pose(weights), settings);
                 let obstacle = others.iter().flatten().find_map(apart);
-                if let Some(end) = obstacle.or((bytes > budget).then_some(PathObstacle::Memory)) {
+                let is_too_much = bytes > budget || data > MAX_SHAPE_DATA;
+                if let Some(end) = obstacle.or(is_too_much.then_some(PathObstacle::Memory)) {
                     all.truncate(before);
                     return Ok((all, Some(end)));
                 }

@@ -7,10 +7,13 @@
 //!
 //! In: the scenes of the frames, one for each moment of a shutter. Out: the films of all frames.
 
+mod gain;
 mod samples;
 #[cfg(test)]
 mod tests;
 mod tile;
+
+pub use gain::{sharing_pays, sharing_would_pay};
 
 use super::pixels::PixelTracer;
 use super::scratch_pool::ScratchPool;
@@ -29,9 +32,6 @@ use tile::{Limits, TileTracer};
 
 /// The most frames that are traced together.
 pub const MAX_FRAMES: usize = FrameMask::BITS as usize;
-
-/// Below this gain in paths, frames are not traced together. It pays for the tests of segments.
-const MIN_GAIN: f64 = 1.2;
 
 /// Tiles that are traced before films take their results and the gain is measured: this many, or one of so many parts
 /// of a large picture.
@@ -153,7 +153,7 @@ impl<'a> SharedFrames<'a> {
                 store(&mut films, tile, &data, width);
                 counts += more;
             }
-            shares = shares && counts.paths.share() * MIN_GAIN <= 1.0;
+            shares = shares && sharing_pays(&counts);
         }
         Some((films, counts))
     }

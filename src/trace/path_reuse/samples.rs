@@ -4,6 +4,7 @@ use super::super::camera_rays::{PixelSamples, SampleGroup};
 use super::super::pixels::{PixelTracer, SampleSet};
 use super::super::sums::add_sample;
 use super::super::wavefront::{ScratchBuffer, WAVE};
+use super::gain::work;
 use crate::base::math::DVec3;
 use crate::base::stats::{Counts, Dropped};
 use crate::sampling::PixelSampler;
@@ -81,7 +82,10 @@ impl<'p> SharedSamples<'p> {
             samples.follow(shared, &mut scratch, (&mut wave, &mut indices), all);
         }
         scratch.give_back(wave, indices);
-        *counts += std::mem::take(&mut scratch.counts);
+        let traced = std::mem::take(&mut scratch.counts);
+        counts.paths.still_work += work(&traced.rays, std::mem::take(&mut scratch.marks.misses));
+        counts.paths.tests += std::mem::take(&mut scratch.marks.tests);
+        *counts += traced;
         shared.give_back(scratch);
         samples
     }
@@ -143,7 +147,9 @@ impl<'p> SharedSamples<'p> {
             wave.clear();
         }
         scratch.give_back(wave, places);
-        *counts += std::mem::take(&mut scratch.counts);
+        let traced = std::mem::take(&mut scratch.counts);
+        counts.paths.retraced_work += work(&traced.rays, 0);
+        *counts += traced;
         whole.give_back(scratch);
         again
     }

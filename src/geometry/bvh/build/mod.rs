@@ -20,6 +20,10 @@ use super::{LeafPrimitives, Tree, TreeSpace};
 use crate::base::math::{Aabb, DVec3};
 use binary::BinaryTree;
 use bounds::{Bounds, PrimRef};
+use rayon::prelude::*;
+
+/// Fewest boxes that are worth a task of their own.
+const MIN_TASK: usize = 4096;
 
 /// Most triangles or spheres in a leaf: this many are tested at once. Other primitives are tested one by one.
 const LEAF_SIZE: usize = 8;
@@ -43,7 +47,8 @@ impl Tree {
         let space = TreeSpace::around(bounds);
         let prim =
             |(primitive, bounds): (u32, &Aabb)| PrimRef::new(primitive, Bounds::new(space.outward(*bounds)));
-        Self::over(space, (0..).zip(boxes).map(prim).collect(), largest)
+        let prims = (0..boxes.len() as u32).into_par_iter().zip(boxes).with_min_len(MIN_TASK).map(prim);
+        Self::over(space, prims.collect(), largest)
     }
 
     /// Builds a tree over triangles, given as indices into positions, that lie within `bounds`. Also returns the
