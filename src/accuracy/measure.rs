@@ -52,7 +52,7 @@ pub fn measure(
     benchmark.run(&reference, start + request.time)?;
     let layers = benchmark.layers(&reference, sequence)?;
     let temporal = match request.frames.first() {
-        Some(&first) => benchmark.temporal(&reference, sequence, first)?,
+        Some(&first) => benchmark.temporal(sequence, first, start + request.time)?,
         None => None,
     };
     let Benchmark { mut settings, results, .. } = benchmark;

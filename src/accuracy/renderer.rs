@@ -140,9 +140,14 @@ impl Renderer {
 
     /// Whether pixels have random samples in any of the frames with an integrator.
     pub fn is_random(&self, integrator: Integrator) -> bool {
+        self.are_random(integrator).contains(&true)
+    }
+
+    /// The same for each frame.
+    pub fn are_random(&self, integrator: Integrator) -> Vec<bool> {
         let quality = Quality { integrator, ..self.sequence.quality };
         let sequence = Sequence { quality, ..self.sequence.clone() };
-        frame_states(&sequence, &self.frames, &Stop::default()).iter().any(|look| look.random)
+        frame_states(&sequence, &self.frames, &Stop::default()).iter().map(|look| look.random).collect()
     }
 
     /// The displayed colours of frames with this radiance, each frame at its exposure.

@@ -91,8 +91,8 @@ impl Label {
         block.moved(inner).for_each(|mark| painter.push(mark));
     }
 
-    /// The rectangle of the label: the first one in a fixed order that touches no earlier text and no block, or else the one that the
-    /// offset asks for. All are within the picture.
+    /// The rectangle of the label: the first one in a fixed order that touches no earlier text and no block, or else the
+    /// one that the offset asks for. All are within the picture.
     fn place(&self, painter: &Painter<'_>, point: DVec2, offset: DVec2, size: DVec2) -> PixelBox {
         let whole = DVec2::new(painter.view.width(), painter.view.height());
         let at = |offset: DVec2| {
@@ -109,7 +109,7 @@ impl Label {
             [corner.min(whole - size).max(DVec2::ZERO), size]
         };
         let wanted = at(offset);
-        if !self.avoid || painter.is_free(wanted) {
+        if !self.avoid || painter.is_free_for_labels(wanted) {
             return wanted;
         }
         // At least as far as a text without an offset needs.
@@ -120,7 +120,7 @@ impl Label {
             [(x, y), (x, -y), (-x, y), (-x, -y), (0.0, y), (0.0, -y), (x, 0.0), (-x, 0.0)]
         };
         let all = [1.0, 2.0, 3.0].into_iter().flat_map(sides).map(|(x, y)| at(DVec2::new(x, y)));
-        all.into_iter().find(|place| painter.is_free(*place)).unwrap_or(wanted)
+        all.into_iter().find(|place| painter.is_free_for_labels(*place)).unwrap_or(wanted)
     }
 
     /// The line between the point and the nearest point of the label, and a dot at the point.

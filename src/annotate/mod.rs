@@ -90,16 +90,12 @@ impl AnnotationKind {
 
     /// Whether it is a block at a place of the picture.
     fn is_block(&self) -> bool {
-        matches!(
-            self,
-            Self::Caption(_)
-                | Self::ColorBar(_)
-                | Self::Progress(_)
-                | Self::Image(_)
-                | Self::Plot(_)
-                | Self::Triad(_)
-                | Self::ScaleBar(_)
-        )
+        match self {
+            Self::Caption(_) | Self::ColorBar(_) | Self::Progress(_) | Self::Image(_) => true,
+            Self::Plot(_) | Self::Triad(_) | Self::ScaleBar(_) => true,
+            Self::Label(_) | Self::Card(_) | Self::Line(_) | Self::Curve(_) | Self::Dimension(_) => false,
+            Self::Angle(_) | Self::Axes(_) | Self::Grid(_) => false,
+        }
     }
 }
 
@@ -202,7 +198,7 @@ pub fn drawing(annotations: &[Annotation], view: &FrameView<'_>) -> Drawing {
     if shown.iter().any(|(annotation, _)| matches!(annotation.kind, AnnotationKind::Label(_))) {
         let mut blocks = Painter::new(view);
         shown.iter().filter(|shown| shown.0.kind.is_block()).for_each(|shown| blocks.paint(shown));
-        painter.keep_free(blocks);
+        painter.reserve(blocks);
     }
     shown.iter().for_each(|shown| painter.paint(shown));
     Drawing { marks: painter.finish() }

@@ -41,6 +41,8 @@ pub struct Painter<'a> {
     taken: Vec<PixelBox>,
     /// The rectangles of blocks.
     blocks: Vec<PixelBox>,
+    /// The rectangles of all blocks of the frame, of those that are drawn later, too. Labels avoid them.
+    reserved: Vec<PixelBox>,
 }
 
 impl<'a> Painter<'a> {
@@ -55,6 +57,7 @@ impl<'a> Painter<'a> {
             opacity: 1.0,
             taken: Vec::new(),
             blocks: Vec::new(),
+            reserved: Vec::new(),
         }
     }
 
@@ -65,8 +68,8 @@ impl<'a> Painter<'a> {
     }
 
     /// Keeps labels away from the blocks of another painter.
-    pub fn keep_free(&mut self, other: Self) {
-        self.taken.extend(other.blocks);
+    pub fn reserve(&mut self, other: Self) {
+        self.reserved = other.blocks;
     }
 
     /// Begins an annotation.
@@ -129,7 +132,12 @@ impl<'a> Painter<'a> {
         !self.taken.iter().any(|other| touch(rectangle, *other))
     }
 
-    /// Reserves a rectangle.
+    /// Whether a label has room in a rectangle: it touches no text so far and no block of the frame.
+    pub fn is_free_for_labels(&self, rectangle: PixelBox) -> bool {
+        self.is_free(rectangle) && !self.reserved.iter().any(|block| touch(rectangle, *block))
+    }
+
+    /// Takes a rectangle.
     pub fn take(&mut self, rectangle: PixelBox) {
         self.taken.push(rectangle);
     }

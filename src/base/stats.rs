@@ -83,9 +83,10 @@ counts! {
         retraced,
         /// Paths of frames in tiles that were traced frame by frame, because sharing them gains too little.
         whole,
-        /// The work of the paths that were traced once, and of those that were traced again.
+        /// The work of the paths that were traced once, of those that were traced again, and of all of these frames alone.
         still_work,
         retraced_work,
+        alone_work,
         /// Tests of segments with movers that have trees of their own, such as meshes.
         tests,
     }

@@ -89,7 +89,7 @@ pub struct RenderOptions {
 
     /// Give each frame noise of its own, instead of noise that stays in its place
     ///
-    /// Frames with random samples then share no films and no paths.
+    /// Frames with random samples then share no films, paths or samples.
     #[arg(long)]
     pub vary_noise: bool,
 

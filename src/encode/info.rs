@@ -13,6 +13,8 @@ pub struct SequenceInfo {
     /// Number of frames of the whole sequence.
     pub frames: u32,
     pub seed: u32,
+    /// Whether each frame has random numbers of its own.
+    pub vary_noise: bool,
     /// Samples per pixel of frames with random effects.
     pub samples: u32,
     /// Samples along each side of a pixel of frames without random effects.

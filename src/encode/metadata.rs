@@ -40,6 +40,7 @@ pub fn frame_entries(info: &FrameInfo, key: Option<&FrameKey>) -> Vec<TextEntry>
     match key.map(|key| key.random) {
         Some(true) => {
             entries.push(("kinora:seed", sequence.seed.to_string()));
+            entries.extend(sequence.vary_noise.then(|| ("kinora:vary_noise", "true".to_owned())));
             entries.push(match sequence.noise {
                 Some(error) => ("kinora:noise", error.to_string()),
                 None => ("kinora:samples", sequence.samples.to_string()),

@@ -15,6 +15,7 @@ impl Sequence {
             name: self.name.clone(),
             frames: self.timeline.frames,
             seed: self.quality.seed,
+            vary_noise: self.quality.vary_noise,
             samples: self.quality.samples,
             antialias: self.quality.antialias,
             noise: self.quality.noise.map(|target| target.error),

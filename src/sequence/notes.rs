@@ -59,7 +59,7 @@ impl Sequence {
 
     /// Why `reuse: Zoom` has no effect, whatever the camera does.
     fn unused_reuse(&self) -> Option<String> {
-        let Quality { reuse, noise, filter, denoise, .. } = self.quality;
+        let Quality { reuse, noise, filter, denoise, vary_noise, .. } = self.quality;
         let why = match reuse {
             SampleReuse::Off => return None,
             SampleReuse::Zoom if noise.is_some() => {
@@ -67,6 +67,9 @@ impl Sequence {
             }
             SampleReuse::Zoom if denoise != Denoise::Off => {
                 "frames that are denoised (`denoise`) need samples of their own; write `denoise: Off`"
+            }
+            SampleReuse::Zoom if vary_noise && self.quality.integrator.samples_lights() => {
+                "frames with noise of their own (`vary_noise`) share no samples; leave one of the two out"
             }
             SampleReuse::Zoom if filter.width < 1.0 => {
                 "the filter is narrower than a pixel; make it at least 1 wide"

@@ -105,7 +105,8 @@ fn a_report_has_the_price_list_of_its_scene() {
     assert_eq!(temporal.frames, [5, 6]);
     assert!(temporal.change > 0.0 && temporal.same.mean > 0.0, "{temporal:?}");
     assert!(temporal.same.mean < 0.1 * varied, "{temporal:?}");
-    assert!((1.2..4.0).contains(&(varied / measured.own().squared.mean)), "{temporal:?}");
+    assert!((0.6..1.6).contains(&(temporal.picture.mean / measured.own().squared.mean)), "{temporal:?}");
+    assert!((temporal.brightness / measured.brightness - 1.0).abs() < 0.2, "{temporal:?}");
     let page = report(&measured);
     for wanted in [
         "From frame 5 to 6",
@@ -133,4 +134,37 @@ fn a_picture_without_chance_has_grids_to_choose_from() {
     let temporal = measured.temporal.expect("several frames");
     assert!(temporal.varied.is_none() && temporal.same.mean > 0.0, "{temporal:?}");
     assert!(temporal.same.mean < 0.1 * temporal.change, "{temporal:?}");
+}
+
+#[test]
+fn changes_are_measured_where_both_frames_are_alike() {
+    let of = |text: &str, frames: Vec<u32>| {
+        let sequence = parse("a.ron", text).expect("a sequence");
+        let request = MeasurementRequest {
+            frames,
+            time: Duration::from_secs(1),
+            quick: true,
+            size: Some((16, 9)),
+            most_samples: Some(4),
+            threads: None,
+        };
+        measure(&sequence, &request, &mut |_| {}).expect("a measurement").temporal
+    };
+    let scene = |timeline: &str, on: &str| {
+        format!(
+            "(timeline: {timeline}, output: (size: (16, 9)), quality: (samples: 4),
+            camera: (position: (0, 4, 7), target: (0, 0.4, 0)), objects: {{ \"floor\": (shape: Plane()) }},
+            lights: {{ \"sun\": Directional(direction: (0, -1, 0)),
+                \"panel\": Rectangle(corner: (-4, 5, -2), u: (2, 0, 0), v: (0, 0, 2), intensity: 12, on: {on}) }})"
+        )
+    };
+    let two = "(frames: 2, keys: Frames)";
+    let switched = scene(two, "[(0, false), (1, true)]");
+    assert_eq!([of(&switched, vec![0]), of(&switched, vec![1])], [None, None], "one of two frames is random");
+    assert_eq!(of(&scene("(frames: 1)", "true"), vec![0]), None, "there is one frame");
+    for frames in [vec![0], vec![1], vec![0, 1]] {
+        let still = of(&scene(two, "true"), frames).expect("two frames");
+        assert_eq!((still.frames, still.same.mean, still.change), ([0, 1], 0.0, 0.0));
+        assert!(still.varied.is_some_and(|varied| varied.mean > 0.0));
+    }
 }

@@ -350,6 +350,49 @@ fn noise_varies_on_request() {
     assert_eq!(count(&plain), 1);
 }
 
+/// With `vary_noise`, frames that could share paths, samples of views or films of a cross-fade have the bytes that they
+/// have alone, and noise that differs from frame to frame.
+#[test]
+fn varied_noise_does_not_depend_on_other_frames() {
+    let scene = |quality: &str, camera: &str, ball: &str| {
+        format!(
+            "(timeline: (frames: 4, keys: Frames), output: (size: (24, 16)), quality: (vary_noise: true, {quality}),
+            {camera}, lights: {{ \"panel\": Rectangle(corner: (-4, 5, -2), u: (2, 0, 0), v: (0, 0, 2), intensity: 12) }},
+            objects: {{ \"floor\": (shape: Plane()), \"ball\": (shape: Sphere(radius: 0.2), translation: {ball}) }})"
+        )
+    };
+    let still = "camera: (position: (0, 4, 7), target: (0, 0.4, 0))";
+    let zoom = "camera: (position: (0, 4, 7), target: (0, 0.4, 0), projection: Perspective(fov: [(0, 40), (3, 30)]))";
+    let blur = "camera: (position: (0, 4, 7), target: (0, 0.4, 0), shutter: 0.5)";
+    let fade = "cameras: { \"a\": (position: (0, 4, 7), target: (0, 0.4, 0)),
+        \"b\": (position: (1, 4, 7), target: (0, 0.4, 0)) }, active_camera: [(0, \"a\"), (2, \"b\")], cross_fade: 3";
+    let (rests, moves) = ("(2.5, 0.5, 0)", "[(0, (2.5, 0.5, 0)), (3, (3, 0.5, 0))]");
+    let folder = folder();
+    for (name, text) in [
+        ("mover", scene("samples: 4", still, moves)),
+        ("blur", scene("samples: 4, shutter_steps: 4", blur, moves)),
+        ("zoom", scene("samples: 4, reuse: Zoom", zoom, rests)),
+        ("fade", scene("samples: 4", fade, rests)),
+        ("noise", scene("noise: 0.2", still, rests)),
+        ("denoise", scene("samples: 4, denoise: Auto", still, rests)),
+    ] {
+        std::fs::write(folder.path().join("a.ron"), text).expect("the folder is writable");
+        let bytes = |file: &str| std::fs::read(folder.path().join(name).join(file)).expect("a frame");
+        let all = format!("{name}/all_#.png");
+        kinora(folder.path(), &["render", "a.ron", "-q", "-o", &all]);
+        let one = format!("{name}/one_#.png");
+        kinora(folder.path(), &["render", "a.ron", "-q", "-o", &one, "--frames", "2"]);
+        assert!(bytes("all_2.png") == bytes("one_2.png"), "{name}");
+        let pixels = |frame: u32| {
+            let path = folder.path().join(name).join(format!("all_{frame}.png"));
+            image::open(path).expect("a picture").to_rgb8().into_raw()
+        };
+        // Far from what moves.
+        let left = |frame: u32| pixels(frame)[24 * 3 * 8..][..24].to_vec();
+        assert!(left(1) != left(2) && left(2) != left(3), "{name}");
+    }
+}
+
 /// What does not change from frame to frame has the same noise, so that it stands still; another seed gives other noise.
 #[test]
 fn noise_does_not_crawl() {

@@ -1,36 +1,39 @@
-//! What the noise does from one frame to the next.
+//! How wrong the change from one frame to the next is.
 
-use crate::accuracy::measure::Measured;
+use crate::accuracy::measure::{Measured, TemporalError};
 use crate::accuracy::statistics::ConfidenceInterval;
 use crate::base::units::percent;
+
+impl TemporalError {
+    /// A squared error in words: a share of the mean brightness, with its interval.
+    pub fn error_text(&self, squared: ConfidenceInterval) -> String {
+        let error = self.share(squared);
+        match error.high > error.low {
+            true => format!("{} ({} to {})", percent(error.mean), percent(error.low), percent(error.high)),
+            false => percent(error.mean),
+        }
+    }
+}
 
 impl Measured {
     /// The error of the change to the next frame, in a sentence.
     pub fn flicker(&self) -> Option<String> {
         let found = self.temporal.as_ref()?;
         let ([before, after], quality) = (found.frames, &self.own().setting.quality);
-        let error = |squared: ConfidenceInterval| match squared.mean > 0.0 {
-            true => format!("{} of the mean brightness", percent(self.share(squared.root().mean))),
-            false => "0".to_owned(),
-        };
-        let how = match (found.varied, quality.vary_noise) {
+        let own = found.error_text(found.own(quality));
+        let other = match (found.varied, quality.vary_noise) {
             (None, _) => String::new(),
             (Some(varied), false) => {
-                format!(
-                    ", because noise stays in its place where nothing changes; --vary-noise: {}",
-                    error(varied)
-                )
+                let varied = found.error_text(varied);
+                format!(" with the same random numbers in both frames; {varied} with --vary-noise")
             }
             (Some(_), true) => {
-                format!(
-                    ", because each frame has noise of its own; without vary_noise: {}",
-                    error(found.same)
-                )
+                let same = found.error_text(found.same);
+                format!(" with random numbers of their own; {same} without vary_noise")
             }
         };
         Some(format!(
-            "Error of the change from frame {before} to {after}: {}{how}",
-            error(found.own(quality))
+            "Error of the change from frame {before} to {after}, of the mean brightness: {own}{other}"
         ))
     }
 }

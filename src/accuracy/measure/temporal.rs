@@ -1,7 +1,7 @@
 //! The error of the change from one frame to the next, which is seen as flicker.
 
 use super::benchmark::Benchmark;
-use super::reference::Reference;
+use crate::accuracy::image_error::mean_squared_error;
 use crate::accuracy::renderer::Renderer;
 use crate::accuracy::settings::Experiment;
 use crate::accuracy::statistics::ConfidenceInterval;
@@ -11,27 +11,38 @@ use crate::pipeline::render::RenderError;
 use crate::sampling::hash;
 use crate::sequence::Sequence;
 use crate::sequence::quality::Quality;
+use std::time::Instant;
 
-/// Independent pairs of runs.
+/// Independent pairs of runs, and the fewest if the time is over.
 const PAIRS: u32 = 4;
+const MIN_PAIRS: u32 = 2;
 
 /// How wrong the change from a frame to the next is. Errors are squared: means over pixels and channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TemporalError {
     /// The numbers of both frames.
     pub frames: [u32; 2],
-    /// If both frames have the same random numbers, so that noise stays in its place where nothing changes.
+    /// Of the change, if both frames have the same random numbers, so that noise stays in its place where nothing changes.
     pub same: ConfidenceInterval,
-    /// If each frame has its own (`vary_noise`). None if nothing is random.
+    /// Of the change, if each frame has its own (`vary_noise`). None if nothing is random.
     pub varied: Option<ConfidenceInterval>,
+    /// Of one picture: the mean of both.
+    pub picture: ConfidenceInterval,
     /// The squared change itself.
     pub change: f64,
+    /// The mean of both pictures over pixels and channels, above 0.
+    pub brightness: f64,
 }
 
 impl TemporalError {
-    /// The error with the settings of the sequence.
+    /// The error of the change with the settings of the sequence.
     pub fn own(&self, quality: &Quality) -> ConfidenceInterval {
         self.varied.filter(|_| quality.vary_noise).unwrap_or(self.same)
+    }
+
+    /// A squared error as a share of the mean brightness.
+    pub fn share(&self, squared: ConfidenceInterval) -> ConfidenceInterval {
+        squared.root().map(|error| error / self.brightness)
     }
 }
 
@@ -40,99 +51,114 @@ pub fn temporal_samples(settings: &Experiment) -> f64 {
     let own = settings.all[0].samples;
     match settings.random {
         true => f64::from(4 * PAIRS) * own,
-        false => 2.0 * own + f64::from(settings.reference),
+        false => 2.0 * (own + f64::from(settings.reference)),
     }
 }
 
+/// Two pictures, one after the other.
+type Pair = [Vec<Rgb>; 2];
+
 impl Benchmark<'_> {
-    /// The error of the change from the first measured frame to the next or, if it is the last one, from the frame
-    /// before. None if the sequence has one frame only.
+    /// The error of the change from the first measured frame to the next or, if it is the last one, from the frame before;
+    /// after `end`, from fewer runs. None if the sequence has one frame only, if only one of the two is random, or if both
+    /// are black.
     pub fn temporal(
         &mut self,
-        reference: &Reference,
         sequence: &Sequence,
         first: u32,
+        end: Instant,
     ) -> Result<Option<TemporalError>, RenderError> {
         let last = sequence.timeline.frames.saturating_sub(1);
         let frames = if first < last { [first, first + 1] } else { [last.saturating_sub(1), last] };
-        if last == 0 {
-            return Ok(None);
-        }
+        let renderer = Renderer::of_frames(self.renderer, sequence, &frames)?;
         let own = Quality { vary_noise: false, ..self.own };
-        let (same, varied, change) = match self.settings.random {
-            true => self.of_random(sequence, &own, frames)?,
-            false => self.of_grid(reference, sequence, &own, (first, frames))?,
+        let found = match renderer.are_random(own.integrator)[..] {
+            _ if last == 0 => None,
+            [true, true] => Some(of_random(&renderer, &own, frames, end)?),
+            [false, false] => Some(of_grid(&renderer, &own, frames, self.finest_grid())?),
+            _ => None,
         };
         self.advance(temporal_samples(&self.settings));
-        Ok(Some(TemporalError { frames, same, varied, change }))
+        Ok(found.filter(|found| found.brightness > 0.0))
     }
+}
 
-    /// The pictures of frames.
-    fn pictures(
-        &self,
-        sequence: &Sequence,
-        quality: &Quality,
-        frames: &[u32],
-    ) -> Result<Vec<Vec<Rgb>>, RenderError> {
-        let renderer = Renderer::of_frames(self.renderer, sequence, frames)?;
-        Ok(renderer.render(quality)?.films.iter().map(|film| film.radiance().collect()).collect())
-    }
+/// The pictures of two frames.
+fn pair(renderer: &Renderer, quality: &Quality) -> Result<Pair, RenderError> {
+    let films = renderer.render(quality)?.films;
+    Ok([0, 1].map(|frame| films.get(frame).map_or_else(Vec::new, |film| film.radiance().collect())))
+}
 
-    /// Random samples have no bias, so the squared error is half the mean squared difference of independent runs.
-    fn of_random(
-        &self,
-        sequence: &Sequence,
-        own: &Quality,
-        frames: [u32; 2],
-    ) -> Result<(ConfidenceInterval, Option<ConfidenceInterval>, f64), RenderError> {
-        let (mut same, mut varied, mut change) = (Vec::new(), Vec::new(), 0.0);
-        for pair in 0..PAIRS {
-            let run = |half: u32| {
-                let seed = hash([own.seed, 2 * pair + half, 5]);
-                self.pictures(sequence, &Quality { seed, ..*own }, &frames)
-            };
-            let (a, b) = (run(0)?, run(1)?);
-            let (changes, others) = (differences(&a[1], &a[0]), differences(&b[1], &b[0]));
-            same.push(mean_square(changes.iter().zip(&others).map(|(a, b)| *a - *b)) / 2.0);
-            // Frames with numbers of their own have independent errors, whose squares add up.
-            let of_frame = |frame: usize| mean_square(differences(&a[frame], &b[frame]).into_iter()) / 2.0;
-            varied.push(of_frame(0) + of_frame(1));
-            let products: f64 = changes.iter().zip(&others).map(|(a, b)| a.dot(*b)).sum();
-            change += products / (3 * changes.len().max(1)) as f64 / f64::from(PAIRS);
+/// The noise of random samples: half the mean squared difference of independent runs.
+fn of_random(
+    renderer: &Renderer,
+    own: &Quality,
+    frames: [u32; 2],
+    end: Instant,
+) -> Result<TemporalError, RenderError> {
+    let (mut same, mut varied, mut change, mut brightness) = (Vec::new(), Vec::new(), 0.0, 0.0);
+    for number in 0..PAIRS {
+        if number >= MIN_PAIRS && Instant::now() > end {
+            break;
         }
-        let varied = Some(ConfidenceInterval::of(&varied));
-        Ok((ConfidenceInterval::of(&same), varied, change.max(0.0)))
+        let run =
+            |half: u32| pair(renderer, &Quality { seed: hash([own.seed, 2 * number + half, 5]), ..*own });
+        let (a, b) = (run(0)?, run(1)?);
+        let (changes, others) = (change_of(&a), change_of(&b));
+        same.push(mean_squared_difference(&changes, &others) / 2.0);
+        // Frames with numbers of their own have independent errors, whose squares add up.
+        varied.push((mean_squared_error(&a[0], &b[0]) + mean_squared_error(&a[1], &b[1])) / 2.0);
+        let products: f64 = changes.iter().zip(&others).map(|(a, b)| a.dot(*b)).sum();
+        change += products / (3 * changes.len().max(1)) as f64;
+        brightness += (mean(&a) + mean(&b)) / 2.0;
     }
-
-    /// Regular grids are compared with the finest one.
-    fn of_grid(
-        &self,
-        reference: &Reference,
-        sequence: &Sequence,
-        own: &Quality,
-        (first, frames): (u32, [u32; 2]),
-    ) -> Result<(ConfidenceInterval, Option<ConfidenceInterval>, f64), RenderError> {
-        let shown = self.pictures(sequence, own, &frames)?;
-        let other = frames.into_iter().filter(|frame| *frame != first).collect::<Vec<_>>();
-        let finest = Quality { antialias: self.finest_grid(), ..*own };
-        let other = self.pictures(sequence, &finest, &other)?;
-        // The first of the measured frames.
-        let known = &reference.pair.a[..shown[0].len()];
-        let (before, after) =
-            if frames[0] == first { (known, &other[0][..]) } else { (&other[0][..], known) };
-        let wanted = differences(after, before);
-        let changes = differences(&shown[1], &shown[0]);
-        let wrong = mean_square(changes.iter().zip(&wanted).map(|(a, b)| *a - *b));
-        Ok((ConfidenceInterval::of(&[wrong]), None, mean_square(wanted.into_iter())))
-    }
+    let pairs = same.len().max(1) as f64;
+    let both = ConfidenceInterval::of(&varied);
+    Ok(TemporalError {
+        frames,
+        same: ConfidenceInterval::of(&same),
+        varied: Some(both),
+        picture: both.map(|squared| squared / 2.0),
+        change: (change / pairs).max(0.0),
+        brightness: brightness / pairs,
+    })
 }
 
-fn differences(a: &[Rgb], b: &[Rgb]) -> Vec<DVec3> {
-    a.iter().zip(b).map(|(a, b)| a.as_dvec3() - b.as_dvec3()).collect()
+/// Regular grids are compared with the finest one.
+fn of_grid(
+    renderer: &Renderer,
+    own: &Quality,
+    frames: [u32; 2],
+    finest: u32,
+) -> Result<TemporalError, RenderError> {
+    let shown = pair(renderer, own)?;
+    let wanted = pair(renderer, &Quality { antialias: finest, ..*own })?;
+    let picture = [0, 1].map(|frame| mean_squared_error(&shown[frame], &wanted[frame]));
+    let (changes, truth) = (change_of(&shown), change_of(&wanted));
+    Ok(TemporalError {
+        frames,
+        same: ConfidenceInterval::of(&[mean_squared_difference(&changes, &truth)]),
+        varied: None,
+        picture: ConfidenceInterval::of(&[(picture[0] + picture[1]) / 2.0]),
+        change: mean_squared_difference(&truth, &vec![DVec3::ZERO; truth.len()]),
+        brightness: mean(&wanted),
+    })
 }
 
-/// The mean over pixels and channels.
-fn mean_square(values: impl ExactSizeIterator<Item = DVec3>) -> f64 {
-    let count = (3 * values.len()).max(1) as f64;
-    values.map(|value| value.length_squared()).sum::<f64>() / count
+/// The change of each pixel.
+fn change_of([before, after]: &Pair) -> Vec<DVec3> {
+    after.iter().zip(before).map(|(after, before)| after.as_dvec3() - before.as_dvec3()).collect()
+}
+
+/// Mean over pixels and channels of the squared difference.
+fn mean_squared_difference(a: &[DVec3], b: &[DVec3]) -> f64 {
+    let squares: f64 = a.iter().zip(b).map(|(a, b)| (*a - *b).length_squared()).sum();
+    squares / (3 * a.len()).max(1) as f64
+}
+
+/// The mean over both pictures, their pixels and channels.
+fn mean(pair: &Pair) -> f64 {
+    let all = || pair.iter().flatten();
+    let sum: f64 = all().map(|light| light.as_dvec3().element_sum()).sum();
+    sum / (3 * all().count()).max(1) as f64
 }

@@ -116,14 +116,15 @@ pub fn json(measured: &Measured, origin: &Origin) -> String {
 fn temporal(measured: &Measured) -> Option<Value> {
     let found = measured.temporal.as_ref()?;
     let error = |squared: ConfidenceInterval| {
-        let error = squared.root().map(|error| measured.share(error));
+        let error = found.share(squared);
         json!({ "error": error.mean, "low": error.low, "high": error.high })
     };
     Some(json!({
         "frames": found.frames,
+        "picture": error(found.picture),
         "same": error(found.same),
         "vary_noise": found.varied.map(error),
-        "change": measured.share(found.change.sqrt()),
+        "change": found.change.sqrt() / found.brightness,
     }))
 }
 

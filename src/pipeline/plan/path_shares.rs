@@ -6,7 +6,7 @@ use super::camera_rays::camera_rays;
 use super::ray_estimate::{NullSink, downscaled};
 use super::render_plan::Plan;
 use super::tries::Tries;
-use crate::base::stats::ProgressMeter;
+use crate::base::stats::{ProgressMeter, SharedPaths};
 use crate::film::LayerId;
 use crate::pipeline::schedule::{FrameLoop, FrameState};
 use crate::sequence::Sequence;
@@ -86,14 +86,19 @@ fn share(
             let more = if traced < few.len() { traced } else { (films - alone).min(MAX_FRAMES) };
             let share = match sharing_would_pay(&counts, more as f64 / traced as f64) {
                 // Every path once for all, and the same share of each film again.
-                true => counts.paths.share() - 1.0 / traced as f64 + 1.0 / more as f64,
+                true => again(&counts.paths) + 1.0 / more as f64,
                 false => 1.0,
             };
             let all = (alone as f64 + share * (films - alone) as f64) / films as f64;
             let changes = (share >= 1.0).then_some(PathObstacle::Changes);
             return (all.min(1.0), changes.or(obstacle));
         }
-        alone += tries.next(films - alone, 0);
+        alone += tries.next(films - alone, 0, false);
     }
     (1.0, obstacle)
+}
+
+/// The share of the paths of a film that are traced again.
+fn again(paths: &SharedPaths) -> f64 {
+    paths.retraced as f64 / (paths.all - paths.whole).max(1) as f64
 }

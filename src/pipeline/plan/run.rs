@@ -83,10 +83,7 @@ fn trace_together<S: FilmSink>(
         None => frames.trace_together(&states, &Plan::lit(films), plan.scenes_budget())?,
     };
     let traced = group.films.len();
-    let next = match group.pays {
-        true => tries.next(together, traced),
-        false => traced + tries.next(together - traced, 0),
-    };
+    let next = tries.next(together, traced, group.pays);
     kept.extend((first..).zip(group.films));
     Ok(first + next)
 }

@@ -7,15 +7,16 @@
 pub struct Tries(u32);
 
 impl Tries {
-    /// The number of films to go on by, after a try with `asked` films of which `traced` were traced together.
-    pub fn next(&mut self, asked: usize, traced: usize) -> usize {
-        if traced > 0 {
+    /// The number of films to go on by, after a try with `asked` films of which `traced` were traced together. If that
+    /// did not pay, the try failed too.
+    pub fn next(&mut self, asked: usize, traced: usize, pays: bool) -> usize {
+        if traced > 0 && pays {
             self.0 = 0;
             return traced;
         }
         let skipped = 1 << self.0.min(usize::BITS - 2);
         self.0 += 1;
-        asked.min(skipped).max(1)
+        (traced + asked.saturating_sub(traced).min(skipped)).max(1)
     }
 }
 
@@ -26,9 +27,13 @@ mod tests {
     #[test]
     fn failures_in_a_row_leave_out_more_and_more() {
         let mut tries = Tries::default();
-        let next: Vec<usize> = [0, 0, 0, 5, 0, 0].map(|traced| tries.next(64, traced)).to_vec();
+        let next: Vec<usize> = [0, 0, 0, 5, 0, 0].map(|traced| tries.next(64, traced, true)).to_vec();
         assert_eq!(next, [1, 2, 4, 5, 1, 2]);
-        assert_eq!((tries.next(3, 0), tries.next(0, 0)), (3, 1));
-        (0..100).for_each(|_| assert!(tries.next(64, 0) <= 64));
+        assert_eq!((tries.next(3, 0, true), tries.next(0, 0, true)), (3, 1));
+        (0..100).for_each(|_| assert!(tries.next(64, 0, true) <= 64));
+        // Films that were traced together in vain are left behind, with some of the others.
+        let mut tries = Tries::default();
+        assert_eq!([64, 11, 11, 64].map(|traced| tries.next(64, traced, false)), [64, 13, 15, 64]);
+        assert_eq!([tries.next(64, 9, true), tries.next(64, 0, true)], [9, 1]);
     }
 }

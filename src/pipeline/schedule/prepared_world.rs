@@ -61,6 +61,11 @@ impl PreparedWorld {
         moments
     }
 
+    /// The seed of a frame.
+    pub fn seed_of(&self, frame: u32) -> u32 {
+        self.varied.map_or(self.settings.quality.seed, |quality| quality.of_frame(frame).seed)
+    }
+
     /// Makes a camera the active one at all times; None for the camera that the sequence chooses.
     pub fn look_through(&mut self, camera: Option<usize>) {
         look_through(&mut self.world, camera);

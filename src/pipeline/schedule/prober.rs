@@ -36,7 +36,8 @@ impl Prober {
     pub fn probe(&self, state: &FrameState, blocks: usize) -> PilotBlocks {
         let settings = &self.world.settings;
         let layers = state.weights.len() + settings.aovs.layers();
-        PilotBlocks::new(settings.size, blocks, layers, settings.quality.seed)
+        // Settings hold the seed of the frame that was prepared last.
+        PilotBlocks::new(settings.size, blocks, layers, self.world.seed_of(state.frame))
     }
 
     /// Traces `samples` of all pixels of the probe with the layers `lit`. None if the frame has no camera.

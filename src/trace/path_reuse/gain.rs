@@ -24,40 +24,39 @@ pub fn work(rays: &RayCounts, misses: u64) -> u64 {
     HIT * segments.saturating_sub(misses) + MISS * misses + SHADOW * rays.shadow
 }
 
-/// Whether frames that shared the paths so far were less work than each alone. Alone, each of them has the work of its
-/// paths that were traced again, and of the others without movers.
+/// The work of frames alone, whose samples were traced together: each frame has the work of its samples that were traced
+/// again, and the work without movers of its others. `samples` is the number of samples of each frame.
+pub fn work_alone((still, again): (u64, u64), frames: u64, samples: u64, retraced: u64) -> u64 {
+    again + still * (frames * samples).saturating_sub(retraced) / samples.max(1)
+}
+
+/// Whether frames that shared the paths so far were less work than each alone.
 pub fn sharing_pays(counts: &Counts) -> bool {
     sharing_would_pay(counts, 1.0)
 }
 
 /// [`sharing_pays`] for so many times as many frames, if all have the same share of paths that are traced again.
 pub fn sharing_would_pay(counts: &Counts, times: f64) -> bool {
-    let SharedPaths { all, once, retraced, whole, still_work, retraced_work, tests } = counts.paths;
-    if once == 0 {
-        return true;
-    }
-    let (still, again) = (still_work as f64, retraced_work as f64);
-    let unchanged = (all - whole).saturating_sub(retraced) as f64 / once as f64;
-    let together = still + times * (again + (TEST * tests) as f64);
-    together * MIN_GAIN <= times * (again + unchanged * still)
+    let SharedPaths { still_work, retraced_work, alone_work, tests, .. } = counts.paths;
+    let of_frames = times * (retraced_work + TEST * tests) as f64;
+    (still_work as f64 + of_frames) * MIN_GAIN <= times * alone_work as f64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// 48 frames of a thousand paths, each of which is a segment and a shadow ray, of which a share is traced again.
+    /// A thousand paths in 48 frames, each a segment and, if it hits something, a shadow ray. So many are traced again.
     fn counts(misses: u64, retraced: u64, tests: u64) -> Counts {
-        let rays =
-            |count| RayCounts { camera: count, shadow: count - misses.min(count), ..RayCounts::default() };
+        let rays = |camera, shadow| RayCounts { camera, shadow, ..RayCounts::default() };
+        let still = work(&rays(1000, 1000 - misses), misses);
+        let again = work(&rays(retraced, retraced), 0);
         let paths = SharedPaths {
-            all: 48_000,
-            once: 1000,
-            retraced,
-            whole: 0,
-            still_work: work(&rays(1000), misses),
-            retraced_work: work(&RayCounts { camera: retraced, shadow: retraced, ..RayCounts::default() }, 0),
+            still_work: still,
+            retraced_work: again,
+            alone_work: work_alone((still, again), 48, 1000, retraced),
             tests,
+            ..SharedPaths::default()
         };
         Counts { paths, ..Counts::default() }
     }
@@ -74,5 +73,22 @@ mod tests {
         assert!(sharing_pays(&counts(0, 480, 48_000)));
         assert!(!sharing_pays(&counts(0, 480, 150_000)));
         assert!(sharing_pays(&Counts::default()));
+    }
+
+    #[test]
+    fn cheap_and_expensive_parts_of_a_picture_count_by_themselves() {
+        // Half the picture misses everything, and a mover covers the other half in all frames.
+        let mut all = counts(1000, 0, 0);
+        all += counts(1000, 48_000, 0);
+        assert!(!sharing_pays(&all));
+        assert!(sharing_pays(&counts(500, 24_000, 0)), "as a mean, it would");
+    }
+
+    #[test]
+    fn more_frames_gain_more() {
+        let few =
+            SharedPaths { still_work: 100, retraced_work: 600, alone_work: 800, ..SharedPaths::default() };
+        let few = Counts { paths: few, ..Counts::default() };
+        assert!(!sharing_pays(&few) && sharing_would_pay(&few, 8.0));
     }
 }

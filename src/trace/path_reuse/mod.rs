@@ -49,6 +49,8 @@ pub enum PathObstacle {
     Sampling,
     /// Copies of the scenes do not fit into memory.
     Memory,
+    /// Meshes or particles that change take too much memory.
+    ShapeData,
     /// Most paths change.
     Changes,
 }

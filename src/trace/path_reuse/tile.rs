@@ -3,6 +3,7 @@
 use super::super::pixels::PixelTracer;
 use super::super::{BLOCK, Tile};
 use super::FramePose;
+use super::gain::work_alone;
 use super::samples::{SharedSamples, StillSums};
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
@@ -124,6 +125,7 @@ impl<'a> TileTracer<'a> {
         for first in (0..count).step_by(at_once) {
             let numbers = first..count.min(first.saturating_add(at_once as u32));
             let size = (self.all, self.moments);
+            let before = counts.paths;
             let samples = SharedSamples::trace(&self.shared, (pixels, numbers), size, counts);
             counts.paths.once += samples.frames.len() as u64;
             for ((pose, whole), sums) in self.poses.iter().zip(&self.whole).zip(&mut sums) {
@@ -134,6 +136,12 @@ impl<'a> TileTracer<'a> {
                 samples.add_to((whole, moment), &again, still, sums, &mut counts.dropped);
                 counts.paths.retraced += again.len() as u64;
             }
+            let paths = &mut counts.paths;
+            let still = paths.still_work - before.still_work;
+            let again = paths.retraced_work - before.retraced_work;
+            let (frames, samples) = (self.frames as u64, samples.frames.len() as u64);
+            let retraced = paths.retraced - before.retraced;
+            paths.alone_work += work_alone((still, again), frames, samples, retraced);
         }
         sums
     }

@@ -39,28 +39,19 @@ pub fn temporal(html: &mut Html, measured: &Measured) {
     html.tag(
         "p",
         "What flickers is not the error of a picture but the error of the change from one frame to the next. Frames \
-         have the same random numbers unless vary_noise is set. So where nothing changes, noise stands still like \
-         dirt on a lens, and where something does, the errors of both frames partly cancel. With vary_noise, each \
-         frame has noise of its own: it flickers, but in motion the eye takes the mean of several frames.",
+         have the same random numbers unless vary_noise is set. So where nothing changes, noise stays in its place, \
+         and where something does, the errors of both frames may partly cancel. With vary_noise, each frame has noise \
+         of its own: it flickers, but in motion the eye takes the mean of several frames.",
     );
-    let share = |squared: ConfidenceInterval| {
-        let error = squared.root().map(|error| measured.share(error));
-        match error.high > error.low {
-            true => format!("{} ({} to {})", percent(error.mean), percent(error.low), percent(error.high)),
-            false => percent(error.mean),
-        }
+    let change = match found.varied {
+        Some(_) => "the change, same random numbers",
+        None => "the change",
     };
-    let mut rows = vec![
-        ("one picture".to_owned(), share(measured.own().squared)),
-        ("the change, same random numbers".to_owned(), share(found.same)),
-    ];
-    if let Some(varied) = found.varied {
-        rows.push(("the change, vary_noise".to_owned(), share(varied)));
-    } else {
-        rows[1].0 = "the change".to_owned();
-    }
-    rows.push(("size of the change itself".to_owned(), percent(measured.share(found.change.sqrt()))));
-    let rows = rows.into_iter().map(|(what, error)| (false, vec![what, error]));
+    let size = ConfidenceInterval::of(&[found.change]);
+    let mut rows = vec![("one picture", found.picture), (change, found.same)];
+    rows.extend(found.varied.map(|varied| ("the change, vary_noise", varied)));
+    rows.push(("size of the change itself", size));
+    let rows = rows.into_iter().map(|(of, squared)| (false, vec![of.to_owned(), found.error_text(squared)]));
     html.table("list", &["of", "error, of the mean brightness"], rows);
 }
 
