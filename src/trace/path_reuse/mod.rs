@@ -35,6 +35,8 @@ pub const MAX_FRAMES: usize = FrameMask::BITS as usize;
 
 /// Tiles that are traced before films take their results and the gain is measured: this many, or one of so many parts
 /// of a large picture.
+/// The gain is first measured after a few tiles: where sharing does not pay, they are traced in vain.
+const FIRST: usize = 8;
 const AT_ONCE: usize = 64;
 const PARTS: usize = 8;
 
@@ -137,7 +139,8 @@ impl<'a> SharedFrames<'a> {
         let (finished, total) = (AtomicU64::new(0), (pilot.len() + rest.len()) as u64);
         let (mut counts, mut shares) = (Counts::default(), true);
         let at_once = AT_ONCE.max(rest.len() / PARTS);
-        for tiles in pilot.chunks(at_once).chain(rest.chunks(at_once)) {
+        let (first, pilot) = pilot.split_at(FIRST.min(pilot.len()));
+        for tiles in [first].into_iter().chain(pilot.chunks(at_once)).chain(rest.chunks(at_once)) {
             if meter.is_stopped() {
                 return None;
             }
@@ -193,9 +196,11 @@ fn tiles((width, height): (u32, u32)) -> (Vec<Tile>, Vec<Tile>) {
         rows: top..height.min(top + TILE),
     };
     let all = tops.flat_map(|top| (0..width).step_by(TILE as usize).map(move |left| tile(top, left)));
-    // A multiplicative hash spreads them.
-    let is_pilot = |number: usize| (number as u32).wrapping_mul(0x9e37_79b9) >> 28 == 0;
-    let (pilot, rest): (Vec<_>, Vec<_>) = all.enumerate().partition(|(number, _)| is_pilot(*number));
+    // A multiplicative hash spreads them, and the first of them, too.
+    let hash = |number: usize| (number as u32).wrapping_mul(0x9e37_79b9);
+    let (mut pilot, rest): (Vec<_>, Vec<_>) =
+        all.enumerate().partition(|(number, _)| hash(*number) >> 28 == 0);
+    pilot.sort_by_key(|(number, _)| hash(*number));
     let unnumbered = |tiles: Vec<(usize, Tile)>| tiles.into_iter().map(|(_, tile)| tile).collect();
     (unnumbered(pilot), unnumbered(rest))
 }
