@@ -20,6 +20,7 @@ use super::scratch_pool::ScratchPool;
 use super::settings::{Moment, TraceSettings};
 use super::{TILE, Tile, is_random};
 use crate::base::color::Rgb;
+use crate::base::math::DVec3;
 use crate::base::stats::{Counts, ProgressMeter};
 use crate::film::Film;
 use crate::scene::Scene;
@@ -74,6 +75,14 @@ impl<'a> FramePose<'a> {
     fn pose(&self) -> MoverPose<'a> {
         let moment = (self.moment != Moment::ONLY).then_some(self.moment.index);
         MoverPose { scene: self.scene, frame: 1 << self.frame, moment }
+    }
+
+    /// Adds the sums of some pixels at this moment to those of the frame.
+    fn add(&self, sums: &[DVec3], film: &mut [DVec3]) {
+        match self.moment {
+            Moment::ONLY => film.copy_from_slice(sums),
+            _ => film.iter_mut().zip(sums).for_each(|(all, sum)| *all += *sum),
+        }
     }
 
     /// Whether samples are random.
@@ -136,29 +145,56 @@ impl<'a> SharedFrames<'a> {
         let mut films: Vec<Film> = (0..count).map(|_| film()).collect();
         let tracer = self.tracer();
         let (pilot, rest) = tiles(settings.size);
-        let (finished, total) = (AtomicU64::new(0), (pilot.len() + rest.len()) as u64);
-        let (mut counts, mut shares) = (Counts::default(), true);
+        let (frames, finished) = (count as u64, AtomicU64::new(0));
+        let total = frames * (pilot.len() + rest.len()) as u64;
+        let advance = |traced: &(Vec<Rgb>, Counts), of: u64| {
+            meter.rays.fetch_add(traced.1.rays.total(), Relaxed);
+            let before = finished.fetch_add(of, Relaxed);
+            meter.advance(before, before + of, total, frames);
+        };
         let at_once = AT_ONCE.max(rest.len() / PARTS);
         let (first, pilot) = pilot.split_at(FIRST.min(pilot.len()));
+        let mut counts = Counts::default();
+        let mut whole: Vec<&Tile> = Vec::new();
         for tiles in [first].into_iter().chain(pilot.chunks(at_once)).chain(rest.chunks(at_once)) {
             if meter.is_stopped() {
                 return None;
             }
-            let traced = tiles.par_iter().map(|tile| {
+            if !sharing_pays(&counts) {
+                whole.extend(tiles);
+                continue;
+            }
+            let shared = tiles.par_iter().map(|tile| {
                 let (x, y) = (tile.columns.start, tile.rows.start);
                 let _span = tracing::trace_span!("tile", x, y, films = count).entered();
-                let traced = tracer.trace(tile, shares);
-                meter.rays.fetch_add(traced.1.rays.total(), Relaxed);
-                let before = finished.fetch_add(1, Relaxed);
-                meter.advance(before, before + 1, total, count as u64);
+                let traced = tracer.share_tile(tile);
+                advance(&traced, frames);
                 traced
             });
-            let traced: Vec<(Vec<Rgb>, Counts)> = traced.collect();
-            for (tile, (data, more)) in tiles.iter().zip(traced) {
-                store(&mut films, tile, &data, width);
+            let shared: Vec<(Vec<Rgb>, Counts)> = shared.collect();
+            for (tile, (data, more)) in tiles.iter().zip(shared) {
+                let each = (data.len() / count).max(1);
+                films.iter_mut().zip(data.chunks(each)).for_each(|(film, data)| store(film, tile, data));
                 counts += more;
             }
-            shares = shares && sharing_pays(&counts);
+        }
+        // Frame by frame, so that what a frame's rays read stays in caches.
+        for (frame, film) in films.iter_mut().enumerate() {
+            if meter.is_stopped() {
+                return None;
+            }
+            let alone = whole.par_iter().map(|tile| {
+                let (x, y) = (tile.columns.start, tile.rows.start);
+                let _span = tracing::trace_span!("tile", x, y).entered();
+                let traced = tracer.trace_whole(tile, frame);
+                advance(&traced, 1);
+                traced
+            });
+            let alone: Vec<(Vec<Rgb>, Counts)> = alone.collect();
+            for (tile, (data, more)) in whole.iter().zip(alone) {
+                store(film, tile, &data);
+                counts += more;
+            }
         }
         Some((films, counts))
     }
@@ -205,15 +241,12 @@ fn tiles((width, height): (u32, u32)) -> (Vec<Tile>, Vec<Tile>) {
     (unnumbered(pilot), unnumbered(rest))
 }
 
-/// Stores the pixels of a tile, frame after frame.
-fn store(films: &mut [Film], tile: &Tile, data: &[Rgb], width: u32) {
-    let size = data.len() / films.len();
-    for (film, data) in films.iter_mut().zip(data.chunks(size.max(1))) {
-        let layers = film.layers();
-        let all = film.data_mut();
-        for ((x, y), pixel) in tile.pixels().into_iter().zip(data.chunks(layers.max(1))) {
-            let at = (y * width + x) as usize * layers;
-            all[at..at + layers].copy_from_slice(pixel);
-        }
+/// Stores the pixels of a tile.
+fn store(film: &mut Film, tile: &Tile, data: &[Rgb]) {
+    let (layers, width) = (film.layers(), film.width);
+    let all = film.data_mut();
+    for ((x, y), pixel) in tile.pixels().into_iter().zip(data.chunks(layers.max(1))) {
+        let at = (y * width + x) as usize * layers;
+        all[at..at + layers].copy_from_slice(pixel);
     }
 }

@@ -9,7 +9,6 @@ use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 use crate::base::stats::Counts;
 use crate::scene::movers::FrameMask;
-use crate::trace::settings::Moment;
 use std::collections::HashMap;
 
 /// How much a thread keeps at once.
@@ -59,46 +58,50 @@ impl<'a> TileTracer<'a> {
         Self { poses, shared, whole, all, frames, moments, held, limits }
     }
 
-    /// The pixels of a tile, frame after frame. If `shares` is false, every frame is traced whole.
-    pub fn trace(&self, tile: &Tile, shares: bool) -> (Vec<Rgb>, Counts) {
+    /// The pixels of a tile, frame after frame.
+    pub fn share_tile(&self, tile: &Tile) -> (Vec<Rgb>, Counts) {
         let (pixels, layers, mut counts) = (tile.pixels(), self.shared.layers(), Counts::default());
         let size = pixels.len() * layers;
         let mut films = vec![DVec3::ZERO; self.frames * size];
-        let mut add = |pose: &FramePose, first: usize, sums: &[DVec3]| {
-            let film = &mut films[pose.frame * size + first * layers..][..sums.len()];
-            match pose.moment {
-                Moment::ONLY => film.copy_from_slice(sums),
-                _ => film.iter_mut().zip(sums).for_each(|(all, sum)| *all += *sum),
-            }
-        };
-        if shares {
-            let samples = f64::from(self.shared.count());
-            let at_once = self.pixels_at_once();
-            for (chunk, pixels) in pixels.chunks(at_once).enumerate() {
-                for (pose, mut sums) in self.poses.iter().zip(self.share(pixels, &mut counts)) {
-                    if samples > 1.0 {
-                        sums.iter_mut().for_each(|sum| *sum /= samples);
-                    }
-                    add(pose, chunk * at_once, &sums);
+        let samples = f64::from(self.shared.count());
+        let at_once = self.pixels_at_once();
+        for (chunk, part) in pixels.chunks(at_once).enumerate() {
+            for (pose, mut sums) in self.poses.iter().zip(self.share(part, &mut counts)) {
+                if samples > 1.0 {
+                    sums.iter_mut().for_each(|sum| *sum /= samples);
                 }
+                let first = chunk * at_once * layers;
+                pose.add(&sums, &mut films[pose.frame * size + first..][..sums.len()]);
             }
-        } else {
-            let mut sums = vec![DVec3::ZERO; size];
-            for (pose, whole) in self.poses.iter().zip(&self.whole) {
-                sums.fill(DVec3::ZERO);
-                counts += whole.trace(&pixels, &mut sums);
-                add(pose, 0, &sums);
-            }
-            counts.paths.whole += self.paths(pixels.len());
         }
-        counts.paths.all += self.paths(pixels.len());
-        let held = films.chunks(layers.max(1)).flat_map(|pixel| self.held.iter().map(|&layer| pixel[layer]));
-        (held.map(|sum| sum.as_vec3()).collect(), counts)
+        counts.paths.all += self.frames as u64 * self.paths(pixels.len());
+        (self.held(&films), counts)
     }
 
-    /// The number of paths of all frames in some pixels.
+    /// The pixels of a tile of one frame, which is traced whole.
+    pub fn trace_whole(&self, tile: &Tile, frame: usize) -> (Vec<Rgb>, Counts) {
+        let (pixels, mut counts) = (tile.pixels(), Counts::default());
+        let mut film = vec![DVec3::ZERO; pixels.len() * self.shared.layers()];
+        let mut sums = film.clone();
+        for (pose, whole) in self.poses.iter().zip(&self.whole).filter(|(pose, _)| pose.frame == frame) {
+            sums.fill(DVec3::ZERO);
+            counts += whole.trace(&pixels, &mut sums);
+            pose.add(&sums, &mut film);
+        }
+        counts.paths.whole += self.paths(pixels.len());
+        counts.paths.all += self.paths(pixels.len());
+        (self.held(&film), counts)
+    }
+
+    /// The layers of pixels that films hold.
+    fn held(&self, data: &[DVec3]) -> Vec<Rgb> {
+        let pixels = data.chunks(self.shared.layers().max(1));
+        pixels.flat_map(|pixel| self.held.iter().map(|&layer| pixel[layer].as_vec3())).collect()
+    }
+
+    /// The number of paths of a frame in some pixels.
     fn paths(&self, pixels: usize) -> u64 {
-        (self.frames * pixels) as u64 * u64::from(self.shared.count())
+        pixels as u64 * u64::from(self.shared.count())
     }
 
     /// The number of pixels whose samples and sums fit into memory, in whole blocks.
