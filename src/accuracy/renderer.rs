@@ -43,11 +43,9 @@ impl Renderer {
         Ok(Self { sequence: sequence.clone(), frames: frames.to_vec(), pool: pool(threads)? })
     }
 
-    /// A renderer of other frames, with the size and the number of threads of another one.
-    pub fn of_frames(other: &Self, sequence: &Sequence, frames: &[u32]) -> Result<Self, RenderError> {
-        let mut renderer = Self::new(sequence, frames, NonZeroUsize::new(other.threads()))?;
-        renderer.resize(other.size());
-        Ok(renderer)
+    /// A renderer of other frames, with the same size and number of threads.
+    pub fn with_frames(&self, frames: &[u32]) -> Result<Self, RenderError> {
+        Self::new(&self.sequence, frames, NonZeroUsize::new(self.threads()))
     }
 
     /// Sets the size of the pictures, in pixels.

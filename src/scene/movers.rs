@@ -67,8 +67,6 @@ impl<'a> Slot<'a> {
 struct Mover<'a> {
     primitive: &'a Primitive,
     frames: FrameMask,
-    /// Whether it has a tree of its own.
-    has_tree: bool,
 }
 
 /// The frames in which a segment may meet a mover.
@@ -143,11 +141,7 @@ impl<'a> MoverTree<'a> {
                     Some(at) if all[at].primitive == primitive => all[at].frames |= pose.frame,
                     _ => {
                         last = Some(all.len());
-                        all.push(Mover {
-                            primitive,
-                            frames: pose.frame,
-                            has_tree: primitive.shape.has_tree(),
-                        });
+                        all.push(Mover { primitive, frames: pose.frame });
                     }
                 }
             }
@@ -218,17 +212,19 @@ impl Search<'_> {
     #[inline(always)]
     fn test<L: Level>(&mut self, index: usize) {
         let mover = &self.movers.all[index];
-        if mover.frames & !self.met.frames == 0 {
+        let (test, kind) = self.segment.test;
+        if mover.frames & !self.met.frames == 0 || !mover.primitive.rays.has(kind) {
             return;
         }
-        self.met.tests += u32::from(mover.has_tree);
+        let searches = test != MoverTest::Bounds && mover.primitive.shape.has_tree();
+        self.met.tests += u32::from(searches);
         if L::call(Meets { mover, segment: self.segment }) {
             self.met.frames |= mover.frames;
         }
     }
 }
 
-/// Whether a segment meets a mover.
+/// Whether a segment meets a mover that its rays see.
 struct Meets<'a> {
     mover: &'a Mover<'a>,
     segment: Segment<'a>,
@@ -240,13 +236,12 @@ impl SimdKernel for Meets<'_> {
     #[inline(always)]
     fn run<L: Level>(self) -> bool {
         let primitive = self.mover.primitive;
-        let Segment { ray, within, test: (test, kind) } = self.segment;
-        primitive.rays.has(kind)
-            && match test {
-                MoverTest::Hit => primitive.intersect_on::<L>(ray, within, None).is_some(),
-                MoverTest::Block => primitive.occludes_on::<L>(ray, within, None),
-                MoverTest::Bounds => true,
-            }
+        let Segment { ray, within, test: (test, _) } = self.segment;
+        match test {
+            MoverTest::Hit => primitive.intersect_on::<L>(ray, within, None).is_some(),
+            MoverTest::Block => primitive.occludes_on::<L>(ray, within, None),
+            MoverTest::Bounds => true,
+        }
     }
 }
 

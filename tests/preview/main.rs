@@ -52,10 +52,10 @@ fn edits(driver: &Driver, shots: &Path) {
     let pixel =
         "return Array.from(context.getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data).join()";
     let before = driver.run(pixel);
-    assert!(!before.is_null());
     preview.save(&text.replace("Sphere(center", "Sfere(center").replace("mirror: 0.12", "miror: 0.12"));
     driver.until("return !$('diagnostics').hidden && $('messages').textContent.includes('Sfere')");
     assert_eq!(driver.run("return $('messages').textContent"), preview.check());
+    assert_eq!(driver.run(pixel), before, "the last good picture stays");
     driver.screenshot(&shots.join("mistake.png"));
     preview.save(&text);
     driver.until("return $('diagnostics').hidden && $('status').textContent === 'Picture complete'");

@@ -2,8 +2,16 @@
 
 use crate::accuracy::measure::{Measured, Point};
 use crate::accuracy::settings::SettingAxis;
-use crate::accuracy::statistics::Bias;
+use crate::accuracy::statistics::{Bias, ConfidenceInterval};
 use crate::base::units::percent;
+
+/// A share with its interval, if that is known: `4.2 % (3.5 % to 4.7 %)`.
+pub fn with_interval(share: ConfidenceInterval) -> String {
+    match share.high > share.low {
+        true => format!("{} ({} to {})", percent(share.mean), percent(share.low), percent(share.high)),
+        false => percent(share.mean),
+    }
+}
 
 /// The largest code of a display with 8 bits.
 pub const CODES: f64 = 255.0;

@@ -1,6 +1,6 @@
 //! The summary of a measurement, one line per finding.
 
-use super::base::CODES;
+use super::base::{CODES, with_interval};
 use super::text::describe;
 use crate::accuracy::measure::Measured;
 use crate::accuracy::precision::wrong_answers;
@@ -36,11 +36,7 @@ impl Measured {
     /// The error of the file's own setting.
     fn now(&self) -> String {
         let own = self.own();
-        let error = own.squared.root();
-        let range = match own.runs.len() {
-            0 | 1 => String::new(),
-            _ => format!(" ({} to {})", percent(self.share(error.low)), percent(self.share(error.high))),
-        };
+        let error = own.squared.root().map(|error| self.share(error));
         let missed = match own.setting.quality.noise {
             Some(target) if own.capped > 0.0 => format!(
                 ". Target missed: {} of pixels hit the limit of {} samples",
@@ -50,9 +46,9 @@ impl Measured {
             _ => String::new(),
         };
         format!(
-            "Error of this setting ({}): {}{range} of the mean brightness, {:.1}/255 on the display{missed}",
+            "Error of this setting ({}): {} of the mean brightness, {:.1}/255 on the display{missed}",
             describe(own),
-            percent(self.share(error.mean)),
+            with_interval(error),
             CODES * own.displayed().mean,
         )
     }

@@ -1,17 +1,13 @@
 //! How wrong the change from one frame to the next is.
 
+use super::base::with_interval;
 use crate::accuracy::measure::{Measured, TemporalError};
 use crate::accuracy::statistics::ConfidenceInterval;
-use crate::base::units::percent;
 
 impl TemporalError {
     /// A squared error in words: a share of the mean brightness, with its interval.
     pub fn error_text(&self, squared: ConfidenceInterval) -> String {
-        let error = self.share(squared);
-        match error.high > error.low {
-            true => format!("{} ({} to {})", percent(error.mean), percent(error.low), percent(error.high)),
-            false => percent(error.mean),
-        }
+        with_interval(self.share(squared))
     }
 }
 

@@ -38,7 +38,7 @@ pub struct Measured {
     pub layers: Vec<Layer>,
     /// The paths that cause most of the noise in the worst pixels.
     pub chains: Vec<Chain>,
-    /// How wrong the change to the next frame is; `None` if the sequence has one frame only.
+    /// How wrong the change to the next frame is; `None` where that is not measured: see `Benchmark::temporal`.
     pub temporal: Option<TemporalError>,
     /// What robustness costs on the scene's own rays; `None` if the frame has no camera.
     pub robustness: Option<Robustness>,

@@ -200,7 +200,8 @@ impl SettingResults {
     }
 }
 
-fn differences(a: &[Rgb], b: &[Rgb]) -> Vec<DVec3> {
+/// The differences of two pictures.
+pub fn differences(a: &[Rgb], b: &[Rgb]) -> Vec<DVec3> {
     a.iter().zip(b).map(|(a, b)| a.as_dvec3() - b.as_dvec3()).collect()
 }
 

@@ -1,6 +1,7 @@
 //! The error of the change from one frame to the next, which is seen as flicker.
 
 use super::benchmark::Benchmark;
+use super::results::differences;
 use crate::accuracy::image_error::mean_squared_error;
 use crate::accuracy::renderer::Renderer;
 use crate::accuracy::settings::Experiment;
@@ -69,11 +70,13 @@ impl Benchmark<'_> {
         end: Instant,
     ) -> Result<Option<TemporalError>, RenderError> {
         let last = sequence.timeline.frames.saturating_sub(1);
-        let frames = if first < last { [first, first + 1] } else { [last.saturating_sub(1), last] };
-        let renderer = Renderer::of_frames(self.renderer, sequence, &frames)?;
+        if last == 0 {
+            return Ok(None);
+        }
+        let frames = if first < last { [first, first + 1] } else { [last - 1, last] };
+        let renderer = self.renderer.with_frames(&frames)?;
         let own = Quality { vary_noise: false, ..self.own };
         let found = match renderer.are_random(own.integrator)[..] {
-            _ if last == 0 => None,
             [true, true] => Some(of_random(&renderer, &own, frames, end)?),
             [false, false] => Some(of_grid(&renderer, &own, frames, self.finest_grid())?),
             _ => None,
@@ -108,8 +111,7 @@ fn of_random(
         same.push(mean_squared_difference(&changes, &others) / 2.0);
         // Frames with numbers of their own have independent errors, whose squares add up.
         varied.push((mean_squared_error(&a[0], &b[0]) + mean_squared_error(&a[1], &b[1])) / 2.0);
-        let products: f64 = changes.iter().zip(&others).map(|(a, b)| a.dot(*b)).sum();
-        change += products / (3 * changes.len().max(1)) as f64;
+        change += mean_product(&changes, &others);
         brightness += (mean(&a) + mean(&b)) / 2.0;
     }
     let pairs = same.len().max(1) as f64;
@@ -140,20 +142,26 @@ fn of_grid(
         same: ConfidenceInterval::of(&[mean_squared_difference(&changes, &truth)]),
         varied: None,
         picture: ConfidenceInterval::of(&[(picture[0] + picture[1]) / 2.0]),
-        change: mean_squared_difference(&truth, &vec![DVec3::ZERO; truth.len()]),
+        change: mean_product(&truth, &truth),
         brightness: mean(&wanted),
     })
 }
 
 /// The change of each pixel.
 fn change_of([before, after]: &Pair) -> Vec<DVec3> {
-    after.iter().zip(before).map(|(after, before)| after.as_dvec3() - before.as_dvec3()).collect()
+    differences(after, before)
+}
+
+/// Mean over pixels and channels of the product.
+fn mean_product(a: &[DVec3], b: &[DVec3]) -> f64 {
+    let products: f64 = a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum();
+    products / (3 * a.len()).max(1) as f64
 }
 
 /// Mean over pixels and channels of the squared difference.
 fn mean_squared_difference(a: &[DVec3], b: &[DVec3]) -> f64 {
-    let squares: f64 = a.iter().zip(b).map(|(a, b)| (*a - *b).length_squared()).sum();
-    squares / (3 * a.len()).max(1) as f64
+    let wrong: Vec<DVec3> = a.iter().zip(b).map(|(a, b)| *a - *b).collect();
+    mean_product(&wrong, &wrong)
 }
 
 /// The mean over both pictures, their pixels and channels.

@@ -192,7 +192,7 @@ fn path_obstacle(obstacle: PathObstacle) -> &'static str {
         PathObstacle::MovingSource => "a light or an object that emits light moves or changes",
         PathObstacle::Extent => "the extent of the scene differs, on which error bounds depend",
         PathObstacle::Sampling => "samples differ in kind or in the number of their moments",
-        PathObstacle::ShapeData => "meshes or particles that change take more than 256 MiB",
+        PathObstacle::ShapeData => "meshes or particles that change would take too much memory",
         PathObstacle::Memory => "--film-cache has no room for copies of their scenes",
         PathObstacle::Changes => "most paths change, or finding those that do is too much work",
     }

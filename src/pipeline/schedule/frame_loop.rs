@@ -37,8 +37,7 @@ pub struct FrameLoop<S> {
     schedule: Schedule,
     timeline: Timeline,
     shutter: Shutter,
-    /// Settings of a sequence whose frames have random numbers of their own.
-    varied: Option<Quality>,
+    quality: Quality,
     /// How frames are evaluated that are rendered without a state.
     evaluation: Evaluation,
     /// Where the measurement of the current frame began. None unless frames are reported.
@@ -99,16 +98,14 @@ impl<S: FilmSink> FrameLoop<S> {
         world.insert_resource(Sink(sink));
         world.insert_resource(RunProgress(meter));
         let (timeline, shutter) = (sequence.timeline, Shutter::new(sequence));
-        let (quality, evaluation) = (&sequence.quality, Evaluation::of(sequence));
-        let (mark, varied) = (None, quality.vary_noise.then_some(*quality));
         Self {
             world,
             schedule: schedule::<S>(),
             timeline,
             shutter,
-            varied,
-            evaluation,
-            mark,
+            quality: sequence.quality,
+            evaluation: Evaluation::of(sequence),
+            mark: None,
             faded: Vec::new(),
             sink: PhantomData,
         }
@@ -209,9 +206,7 @@ impl<S: FilmSink> FrameLoop<S> {
 
     /// Runs the stages for a moment of a frame.
     pub(super) fn run_moment(&mut self, clock: Clock, moment: Moment) -> Result<(), FrameError> {
-        if let Some(quality) = &self.varied {
-            self.world.resource_mut::<RenderSettings>().0.quality = quality.of_frame(clock.frame);
-        }
+        self.world.resource_mut::<RenderSettings>().0.quality = self.quality.of_frame(clock.frame);
         self.world.insert_resource(Now(clock));
         self.world.insert_resource(CurrentMoment(moment));
         self.world.resource_mut::<Stopwatch>().start();

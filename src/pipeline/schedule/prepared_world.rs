@@ -25,9 +25,9 @@ pub struct PreparedWorld {
     schedule: Schedule,
     timeline: Timeline,
     shutter: Shutter,
+    quality: Quality,
+    /// The settings of the frame that was prepared last.
     pub settings: TraceSettings,
-    /// Settings of a sequence whose frames have random numbers of their own.
-    varied: Option<Quality>,
 }
 
 impl PreparedWorld {
@@ -47,8 +47,7 @@ impl PreparedWorld {
         let rebuilt = accelerate.run_if(resource_changed::<Current<Geometry>>);
         schedule.add_systems(rebuilt.in_set(FrameStage::Accelerate));
         let (timeline, shutter) = (sequence.timeline, Shutter::new(sequence));
-        let varied = sequence.quality.vary_noise.then_some(sequence.quality);
-        Self { world, schedule, timeline, shutter, settings, varied }
+        Self { world, schedule, timeline, shutter, quality: sequence.quality, settings }
     }
 
     /// The moments of a frame, or the first one only if all are equal.
@@ -63,7 +62,7 @@ impl PreparedWorld {
 
     /// The seed of a frame.
     pub fn seed_of(&self, frame: u32) -> u32 {
-        self.varied.map_or(self.settings.quality.seed, |quality| quality.of_frame(frame).seed)
+        self.quality.of_frame(frame).seed
     }
 
     /// Makes a camera the active one at all times; None for the camera that the sequence chooses.
@@ -78,9 +77,7 @@ impl PreparedWorld {
 
     /// Runs the stages up to Accelerate.
     pub fn prepare(&mut self, now: Clock, moment: Moment) -> Result<(), FrameError> {
-        if let Some(quality) = &self.varied {
-            self.settings.quality = quality.of_frame(now.frame);
-        }
+        self.settings.quality = self.quality.of_frame(now.frame);
         self.world.insert_resource(Now(now));
         self.world.insert_resource(CurrentMoment(moment));
         self.world.resource_mut::<Stopwatch>().start();

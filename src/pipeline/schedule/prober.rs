@@ -36,7 +36,6 @@ impl Prober {
     pub fn probe(&self, state: &FrameState, blocks: usize) -> PilotBlocks {
         let settings = &self.world.settings;
         let layers = state.weights.len() + settings.aovs.layers();
-        // Settings hold the seed of the frame that was prepared last.
         PilotBlocks::new(settings.size, blocks, layers, self.world.seed_of(state.frame))
     }
 

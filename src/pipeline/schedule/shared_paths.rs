@@ -126,12 +126,9 @@ impl<S: FilmSink> FrameLoop<S> {
                 let others = [all.first(), all.iter().find(|other| other.moment.of > 1)];
                 let apart = |other: &&Snapshot| pose.obstacle(&other.pose(weights), settings);
                 let obstacle = others.iter().flatten().find_map(apart);
-                let too_much = [
-                    (bytes > budget, PathObstacle::Memory),
-                    (data > MAX_SHAPE_DATA, PathObstacle::ShapeData),
-                ];
-                let too_much = too_much.iter().find(|(is_too_much, _)| *is_too_much).map(|(_, why)| *why);
-                if let Some(end) = obstacle.or(too_much) {
+                let too_large = (bytes > budget).then_some(PathObstacle::Memory);
+                let too_much_data = (data > MAX_SHAPE_DATA).then_some(PathObstacle::ShapeData);
+                if let Some(end) = obstacle.or(too_large).or(too_much_data) {
                     all.truncate(before);
                     return Ok((all, Some(end)));
                 }

@@ -118,7 +118,7 @@ fn sampled(material: &Material, to_eye: DVec3) -> f64 {
 fn sharp_coats_keep_all_light() {
     for (coat, eye) in [0.25, 1.0].into_iter().flat_map(|coat| eyes().map(move |eye| (coat, eye))) {
         let light = sampled(&coated(coat, 0.0), eye);
-        // Every sample has the weight 1, in f32.
+        // Every sample has the weight 1, up to the roundings of f32 to both sides of it.
         assert!((light - 1.0).abs() < 2.0 * f64::from(f32::EPSILON), "{coat} {eye} {light}");
     }
 }

@@ -34,10 +34,10 @@ use tile::{Limits, TileTracer};
 /// The most frames that are traced together.
 pub const MAX_FRAMES: usize = FrameMask::BITS as usize;
 
-/// Tiles that are traced before films take their results and the gain is measured: this many, or one of so many parts
-/// of a large picture.
-/// The gain is first measured after a few tiles: where sharing does not pay, they are traced in vain.
+/// Tiles after which the gain is measured first: where sharing does not pay, they are traced in vain.
 const FIRST: usize = 8;
+/// Tiles that are traced before films take their results and the gain is measured again: this many, or one of so many
+/// parts of a large picture.
 const AT_ONCE: usize = 64;
 const PARTS: usize = 8;
 
