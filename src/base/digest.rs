@@ -34,6 +34,14 @@ impl Display for Digest {
 /// so that different values of a type feed different bytes. `derive(Content)` implements it for structs and enums.
 pub trait Content {
     fn feed(&self, into: &mut Digester);
+
+    /// Feeds all values of a list, but not their number.
+    fn feed_each(values: &[Self], into: &mut Digester)
+    where
+        Self: Sized,
+    {
+        values.iter().for_each(|value| value.feed(into));
+    }
 }
 
 /// Computes a digest.
@@ -45,6 +53,9 @@ pub struct Digester {
 
 /// The size of `bytes`, in bytes, from which they are hashed.
 const BUFFER_SIZE: usize = 1 << 16;
+
+/// Numbers that are copied at once.
+const PIECE: usize = 64;
 
 impl Digester {
     pub fn new() -> Self {
@@ -58,6 +69,16 @@ impl Digester {
         if self.bytes.len() >= BUFFER_SIZE {
             self.hasher.update(&self.bytes);
             self.bytes.clear();
+        }
+    }
+
+    /// Adds the bytes of many numbers, but not how many these are.
+    fn numbers<T: Copy, const N: usize>(&mut self, numbers: &[T], bytes: impl Fn(T) -> [u8; N]) {
+        // A list that grows number by number takes longer than hashing.
+        let mut some = [[0; N]; PIECE];
+        for numbers in numbers.chunks(some.len()) {
+            some.iter_mut().zip(numbers).for_each(|(some, number)| *some = bytes(*number));
+            self.bytes(some[..numbers.len()].as_flattened());
         }
     }
 
@@ -81,6 +102,10 @@ macro_rules! whole_numbers {
             fn feed(&self, into: &mut Digester) {
                 into.bytes(&self.to_le_bytes());
             }
+
+            fn feed_each(values: &[Self], into: &mut Digester) {
+                into.numbers(values, |number| number.to_le_bytes());
+            }
         })*
     };
 }
@@ -94,6 +119,13 @@ macro_rules! real_numbers {
             fn feed(&self, into: &mut Digester) {
                 let number = if self.is_nan() { $number::NAN } else { *self + 0.0 };
                 into.bytes(&number.to_bits().to_le_bytes());
+            }
+
+            fn feed_each(values: &[Self], into: &mut Digester) {
+                into.numbers(values, |number| {
+                    let number = if number.is_nan() { $number::NAN } else { number + 0.0 };
+                    number.to_bits().to_le_bytes()
+                });
             }
         })*
     };
@@ -135,7 +167,7 @@ impl Content for Digest {
 impl<T: Content> Content for [T] {
     fn feed(&self, into: &mut Digester) {
         self.len().feed(into);
-        self.iter().for_each(|value| value.feed(into));
+        T::feed_each(self, into);
     }
 }
 
@@ -148,6 +180,10 @@ impl<T: Content> Content for Vec<T> {
 impl<T: Content, const N: usize> Content for [T; N] {
     fn feed(&self, into: &mut Digester) {
         self.iter().for_each(|value| value.feed(into));
+    }
+
+    fn feed_each(values: &[Self], into: &mut Digester) {
+        T::feed_each(values.as_flattened(), into);
     }
 }
 
@@ -191,17 +227,41 @@ impl Content for DVec2 {
     fn feed(&self, into: &mut Digester) {
         self.to_array().feed(into);
     }
+
+    fn feed_each(values: &[Self], into: &mut Digester) {
+        for values in values.chunks(PIECE) {
+            let mut some = [[0.0; 2]; PIECE];
+            some.iter_mut().zip(values).for_each(|(some, value)| *some = value.to_array());
+            <[_; 2]>::feed_each(&some[..values.len()], into);
+        }
+    }
 }
 
 impl Content for DVec3 {
     fn feed(&self, into: &mut Digester) {
         self.to_array().feed(into);
     }
+
+    fn feed_each(values: &[Self], into: &mut Digester) {
+        for values in values.chunks(PIECE) {
+            let mut some = [[0.0; 3]; PIECE];
+            some.iter_mut().zip(values).for_each(|(some, value)| *some = value.to_array());
+            <[_; 3]>::feed_each(&some[..values.len()], into);
+        }
+    }
 }
 
 impl Content for Vec3 {
     fn feed(&self, into: &mut Digester) {
         self.to_array().feed(into);
+    }
+
+    fn feed_each(values: &[Self], into: &mut Digester) {
+        for values in values.chunks(PIECE) {
+            let mut some = [[0.0; 3]; PIECE];
+            some.iter_mut().zip(values).for_each(|(some, value)| *some = value.to_array());
+            <[_; 3]>::feed_each(&some[..values.len()], into);
+        }
     }
 }
 
@@ -262,6 +322,31 @@ mod tests {
         assert_eq!(Digest::of(&-0.0f64), Digest::of(&0.0f64));
         assert_eq!(Digest::of(&-0.0f32), Digest::of(&0.0f32));
         assert_eq!(Digest::of(&-f64::NAN), Digest::of(&f64::NAN));
+    }
+
+    /// Lists are copied in pieces. That feeds the same bytes as one value after the other.
+    #[test]
+    fn lists_feed_the_bytes_of_their_values() {
+        fn one_by_one<T: Content>(values: &[T]) -> Digest {
+            let mut digester = Digester::new();
+            values.len().feed(&mut digester);
+            values.iter().for_each(|value| value.feed(&mut digester));
+            digester.finish()
+        }
+        let special = [-0.0, f64::NAN, -f64::NAN, 0.1, f64::INFINITY];
+        let number = |index: usize| special.get(index % 7).copied().unwrap_or(index as f64);
+        for count in [0, 1, 63, 64, 65, 1000] {
+            let numbers: Vec<f64> = (0..count).map(number).collect();
+            let points: Vec<DVec3> = (0..count).map(|i| DVec3::new(number(i), number(i + 1), 3.0)).collect();
+            let normals: Vec<Vec3> = points.iter().map(|point| point.as_vec3()).collect();
+            let uvs: Vec<DVec2> = points.iter().map(|point| point.truncate()).collect();
+            let triangles: Vec<[u32; 3]> = (0..count as u32).map(|i| [i, 3 * i, 7 * i]).collect();
+            assert_eq!(Digest::of(&numbers), one_by_one(&numbers));
+            assert_eq!(Digest::of(&points), one_by_one(&points));
+            assert_eq!(Digest::of(&normals), one_by_one(&normals));
+            assert_eq!(Digest::of(&uvs), one_by_one(&uvs));
+            assert_eq!(Digest::of(&triangles), one_by_one(&triangles));
+        }
     }
 
     #[test]

@@ -189,7 +189,7 @@ impl DeformedMesh {
             Some(mesh) => mesh,
             None => {
                 let data = self.deformer.deformed(&pose.weights, &pose.joints);
-                let mesh = Arc::new(TriangleMesh::new(data)?);
+                let mesh = Arc::new(TriangleMesh::after(data, Some(&self.rest))?);
                 self.keep(pose.digest, &mesh);
                 mesh
             }

@@ -73,13 +73,13 @@ pub fn load_prepared(
     }
     preparation.apply(&mut parts);
     meter.start(format!("building the tree of {name}"), 0);
-    build(parts)
+    build(parts, None)
 }
 
-/// Builds a mesh if there is enough memory.
-pub(super) fn build(parts: MeshData) -> Result<TriangleMesh, MeshError> {
+/// Builds a mesh if there is enough memory: [`TriangleMesh::after`] the mesh `before`, or a new one.
+pub(super) fn build(parts: MeshData, before: Option<&TriangleMesh>) -> Result<TriangleMesh, MeshError> {
     machine::check_memory(parts.triangles.len() as u64 * TRIANGLE_SIZE)?;
-    TriangleMesh::new(parts)
+    TriangleMesh::after(parts, before)
 }
 
 fn read(path: &Path, root: &Root, name: &str, meter: &LoadProgress) -> Result<MeshData, MeshError> {

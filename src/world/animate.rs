@@ -140,16 +140,17 @@ pub fn particles(
 ) {
     for (tracks, visible, mut shape) in &mut objects {
         let wants_tree = *shapes == ShapeUse::Rays;
-        let known = match &*shape {
-            Shape::Particles(Particles(known)) if known.has_tree() || !wants_tree => Some(known),
+        let before = match &*shape {
+            Shape::Particles(Particles(before)) => Some(&**before),
             _ => None,
         };
+        let known = before.filter(|before| before.has_tree() || !wants_tree);
         if visible.is_hidden() || known.is_some() && !tracks.0.is_keyed() {
             continue;
         }
         let set = tracks.0.at(now.0.time);
         if known.is_none_or(|known| !known.is_same(&set)) {
-            let set = if wants_tree { set.with_tree() } else { set };
+            let set = if wants_tree { set.with_tree(before) } else { set };
             *shape = Shape::Particles(Particles(Arc::new(set)));
         }
     }

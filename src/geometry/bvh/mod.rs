@@ -13,7 +13,7 @@ mod traversal_ray;
 mod tree;
 mod tree_space;
 
-pub use build::{Refitter, fetch_ahead};
+pub use build::{LeafBox, Refitter, fetch_ahead};
 pub use bundle::{BundleStack, BundleVisitor, NodeRef};
 pub use bundle_slabs::BundleSlabs;
 pub use leaf_primitives::LeafPrimitives;

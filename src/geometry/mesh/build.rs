@@ -6,7 +6,7 @@ use super::{MeshData, MeshError, MeshLocation, Packet, TriangleMesh};
 use crate::base::digest::{Content, Digest, Digester};
 use crate::base::lanes::prefetch;
 use crate::base::math::{Aabb, DVec3};
-use crate::geometry::bvh::{LeafPrimitives, Tree, fetch_ahead};
+use crate::geometry::bvh::{LeafBox, LeafPrimitives, Tree, TreeSpace, fetch_ahead};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::OnceLock;
@@ -19,7 +19,13 @@ const MOST_TRIANGLES: usize = 1 << 30;
 
 impl TriangleMesh {
     /// Builds a mesh. Triangles without an area are removed and counted.
-    pub fn new(mut data: MeshData) -> Result<Self, MeshError> {
+    pub fn new(data: MeshData) -> Result<Self, MeshError> {
+        Self::after(data, None)
+    }
+
+    /// [`TriangleMesh::new`], in less time if the mesh is one that moved: if `before` has the same triangles, its tree is
+    /// refitted.
+    pub fn after(mut data: MeshData, before: Option<&Self>) -> Result<Self, MeshError> {
         let (bounds, skipped) = checked(&data)?;
         if skipped > 0 {
             let has_area = |&triangle: &[u32; 3]| has_area(corners(&data, triangle));
@@ -29,12 +35,25 @@ impl TriangleMesh {
         if let Some(normals) = &mut data.normals {
             normals.change(unit);
         }
-        let ((tree, packets), digest) = rayon::join(|| tree(&data, bounds), || digest(&data));
+        let moved = before.filter(|before| before.data.triangles == data.triangles);
+        let refitted = moved.and_then(|before| before.refitted(&data, bounds));
+        let digest = OnceLock::new();
+        let build = || {
+            // Meshes that move have names of their own, so nobody asks for their digests.
+            rayon::join(
+                || GrownTree::new(&data, bounds),
+                || before.is_none().then(|| digest.get_or_init(|| self::digest(&data))),
+            )
+            .0
+        };
+        let grown = refitted.unwrap_or_else(build);
+        let GrownTree { tree, packets, cost } = grown;
         let arrays = DataArrays::new(std::mem::take(&mut data.arrays));
         let exact = first(&data.positions, |position| !tree.space().is_exact(*position)).is_none();
         Ok(Self {
             tree,
             packets,
+            tree_cost: cost,
             exact,
             bounds,
             skipped,
@@ -49,15 +68,48 @@ impl TriangleMesh {
     }
 }
 
-/// The tree over triangles within `bounds`, and the packets of its leaves.
-fn tree(data: &MeshData, bounds: Aabb) -> (Tree, Vec<Packet>) {
-    let (tree, leaves) = Tree::of_triangles(bounds, &data.positions, &data.triangles);
-    let packet = |leaf| {
-        fetch_leaves(&leaves, leaf, data);
-        Packet::new(tree.space(), leaves.leaf(leaf), data)
-    };
-    let packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(packet).collect();
-    (tree, packets)
+/// The tree over the triangles of a mesh.
+struct GrownTree {
+    tree: Tree,
+    /// The triangles of its leaves.
+    packets: Vec<Packet>,
+    /// The cost of the tree when it was built.
+    cost: f64,
+}
+
+impl GrownTree {
+    /// Builds the tree over triangles within `bounds`.
+    fn new(data: &MeshData, bounds: Aabb) -> Self {
+        let (tree, leaves) = Tree::of_triangles(bounds, &data.positions, &data.triangles);
+        let packet = |leaf| {
+            fetch_leaves(&leaves, leaf, data);
+            Packet::new(tree.space(), leaves.leaf(leaf), data)
+        };
+        let packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(packet).collect();
+        let cost = tree.cost();
+        Self { tree, packets, cost }
+    }
+}
+
+impl TriangleMesh {
+    /// The tree with the same triangles elsewhere. None if it would be much worse than a new one.
+    fn refitted(&self, data: &MeshData, bounds: Aabb) -> Option<GrownTree> {
+        let space = TreeSpace::around(bounds);
+        let moved = |(index, before): (usize, &Packet)| {
+            if let Some(soon) = self.packets.get(index + AHEAD as usize) {
+                let corners = soon.parts().iter().flat_map(|&part| data.triangles[part as usize]);
+                corners.for_each(|vertex| prefetch(&data.positions, vertex as usize));
+            }
+            let leaf = before.parts();
+            let around =
+                LeafBox::of_triangles(&space, &data.positions, &data.triangles, leaf.iter().copied());
+            (Packet::new(&space, leaf, data), around)
+        };
+        let (packets, boxes): (Vec<_>, Vec<_>) =
+            self.packets.par_iter().enumerate().with_min_len(FEW / 8).map(moved).unzip();
+        let tree = self.tree.refitted(space, &boxes, self.tree_cost)?;
+        Some(GrownTree { tree, packets, cost: self.tree_cost })
+    }
 }
 
 /// The digest of everything except materials and data arrays.

@@ -51,9 +51,9 @@ pub fn normals(positions: &[DVec3], triangles: &[[u32; 3]], crease: Angle) -> Co
     let mut sums = vec![DVec3::ZERO; 3 * triangles.len()];
     for (part, triangle) in triangles.iter().enumerate() {
         let [a, b, c] = corners(triangle);
-        for (k, corner) in [(a, b, c), (b, c, a), (c, a, b)].into_iter().enumerate() {
+        for (k, (at, p, q)) in [(a, b, c), (b, c, a), (c, a, b)].into_iter().enumerate() {
             let fan = fans.of(3 * part as u32 + k as u32);
-            sums[fan as usize] += flat[part] * angle(corner);
+            sums[fan as usize] += flat[part] * angle::<f64>(at.into(), p.into(), q.into());
         }
     }
     packed(&mut fans, &sums, triangles)

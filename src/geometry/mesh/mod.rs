@@ -49,6 +49,8 @@ pub struct TriangleMesh {
     tree: Tree,
     /// The triangles of each of the tree's leaves.
     packets: Vec<Packet>,
+    /// The cost of the tree when it was built. A refitted tree may cost more.
+    tree_cost: f64,
     /// Whether the packets hold all positions exactly.
     exact: bool,
     bounds: Aabb,
@@ -58,7 +60,7 @@ pub struct TriangleMesh {
     outline: OnceLock<Vec<DVec3>>,
     areas: OnceLock<Vec<f64>>,
     closed: OnceLock<bool>,
-    digest: Digest,
+    digest: OnceLock<Digest>,
 }
 
 /// The normals that a mesh is shaded with.
@@ -229,9 +231,10 @@ impl TriangleMesh {
         })
     }
 
-    /// The digest of everything except the materials of the file and the data arrays.
+    /// The digest of everything except the materials of the file and the data arrays. Computed at the first call if the
+    /// mesh is [one that moved](Self::after).
     pub fn digest(&self) -> Digest {
-        self.digest
+        *self.digest.get_or_init(|| build::digest(&self.data))
     }
 
     /// For each triangle, the summed area up to and including it. Computed at the first call.

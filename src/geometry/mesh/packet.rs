@@ -48,6 +48,11 @@ impl Packet {
         self.parts[lane & 7]
     }
 
+    /// All its triangles.
+    pub fn parts(&self) -> &[u32] {
+        &self.parts[..self.count()]
+    }
+
     /// The number of triangles. They fill the first lanes.
     #[inline(always)]
     pub fn count(&self) -> usize {

@@ -43,6 +43,36 @@ fn what_is_left_out_takes_its_attributes_with_it() {
     assert_eq!(mesh.corner_uvs(1), Some([DVec2::ZERO; 3]));
 }
 
+/// The tree of a mesh that moved is the old one while it is good, and a new one otherwise.
+#[test]
+fn trees_are_refitted_while_they_are_good() {
+    let rest = TriangleMesh::new(generate::displaced_sphere(4, 7)).expect("a mesh");
+    let moved = |by: &mut dyn FnMut(DVec3) -> DVec3| {
+        let mut data = generate::displaced_sphere(4, 7);
+        data.positions.iter_mut().for_each(|position| *position = by(*position));
+        data
+    };
+    let far = moved(&mut |position| 1e6 + 3.0 * position);
+    let after = TriangleMesh::after(far.clone(), Some(&rest)).expect("a mesh");
+    assert_eq!(after.tree_cost, rest.tree_cost);
+    let leaves =
+        |mesh: &TriangleMesh| mesh.packets.iter().map(|packet| packet.parts().to_vec()).collect::<Vec<_>>();
+    assert_eq!(leaves(&after), leaves(&rest));
+    // It has the boxes that it would have if it had been built.
+    assert!((after.tree.cost() / TriangleMesh::new(far).expect("a mesh").tree.cost() - 1.0).abs() < 0.05);
+
+    let mut random = Random(4);
+    let shuffled = moved(&mut |_| random.point(1.0));
+    let after = TriangleMesh::after(shuffled.clone(), Some(&rest)).expect("a mesh");
+    assert_eq!(after.tree_cost, TriangleMesh::new(shuffled).expect("a mesh").tree_cost);
+    assert_ne!(after.tree_cost, rest.tree_cost);
+
+    // Other triangles have another tree.
+    let mut fewer = generate::displaced_sphere(4, 7);
+    fewer.triangles.pop();
+    assert_ne!(TriangleMesh::after(fewer, Some(&rest)).expect("a mesh").tree_cost, rest.tree_cost);
+}
+
 /// Whatever the triangulation of a cube's faces, the normals of its corners point away from its centre.
 #[test]
 fn smooth_normals_do_not_depend_on_the_cut() {

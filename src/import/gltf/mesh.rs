@@ -152,7 +152,7 @@ fn mesh(
     check_weights(item, weights.len(), targets)?;
     weights.resize(targets, 0.0);
     let data = stand_in.unwrap_or(data);
-    let mesh = load::build(data).map_err(|error| item.error(error.to_string()))?;
+    let mesh = load::build(data, None).map_err(|error| item.error(error.to_string()))?;
     let mesh = Arc::new(mesh);
     Ok(Some(GltfMesh { name, mesh, is_flat, material, materials: used, deformer, weights, joints }))
 }

@@ -38,6 +38,11 @@ impl Cache {
         Ok(Arc::clone(mesh))
     }
 
+    /// The mesh that was made or used last.
+    pub fn last(&self) -> Option<&TriangleMesh> {
+        self.meshes.last().map(|(_, mesh)| &**mesh)
+    }
+
     /// The data of a step, which `load` reads if it is not there. Only the data of the steps `wanted` stays.
     pub fn data(
         &mut self,

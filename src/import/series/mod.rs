@@ -109,7 +109,7 @@ impl MeshSeries {
         let (data, center) = read.placed(0, None).map_err(|error| vec![error])?;
         let first_step = read.summary(0, &data);
         let materials = data.materials.clone();
-        let first = first_step.is_ok().then(|| read.mesh(0, data));
+        let first = first_step.is_ok().then(|| read.mesh(0, data, None));
         let mut checked = vec![first_step.map(|step| (step, true))];
         let count = files.steps.len();
         let rest: Vec<usize> = (1..count).collect();
@@ -194,11 +194,13 @@ impl MeshSeries {
     fn load(&self, mix: StepMix, cache: &mut Cache) -> Result<TriangleMesh, StepError> {
         let read = Reader { files: &self.files, root: &self.root };
         if mix.from == mix.to {
-            return read.mesh(mix.from, self.unchanged(mix.from)?);
+            let data = self.unchanged(mix.from)?;
+            return read.mesh(mix.from, data, Some(cache.last().unwrap_or(&self.first)));
         }
         let from = cache.data(mix.from, [mix.from, mix.to], || self.unchanged(mix.from))?;
         let to = cache.data(mix.to, [mix.from, mix.to], || self.unchanged(mix.to))?;
-        read.mesh(mix.from, crate::geometry::mesh::blended(&from, &to, mix.share))
+        let data = crate::geometry::mesh::blended(&from, &to, mix.share);
+        read.mesh(mix.from, data, Some(cache.last().unwrap_or(&self.first)))
     }
 
     /// A step's data, which must be what was checked.
@@ -271,11 +273,16 @@ impl Reader<'_> {
         }
     }
 
-    /// The mesh of checked data.
-    fn mesh(&self, step: usize, mut data: MeshData) -> Result<TriangleMesh, StepError> {
+    /// The mesh of checked data, [after](TriangleMesh::after) another mesh of the series.
+    fn mesh(
+        &self,
+        step: usize,
+        mut data: MeshData,
+        before: Option<&TriangleMesh>,
+    ) -> Result<TriangleMesh, StepError> {
         self.files.preparation.crease(&mut data);
         let built = |data| -> Result<TriangleMesh, MeshError> {
-            let mesh = build(data)?;
+            let mesh = build(data, before)?;
             if self.files.normals == Some(Normals::Smooth) {
                 mesh.smooth_normals();
             }

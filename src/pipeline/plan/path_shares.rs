@@ -13,9 +13,29 @@ use crate::sequence::Sequence;
 use crate::trace::{MAX_FRAMES, PathObstacle, sharing_would_pay};
 use std::sync::Arc;
 
-/// Maximum number of groups of films that are measured, and of the films of each: scenes take long to prepare.
-const GROUPS: usize = 4;
-const FILMS: usize = 8;
+/// Limits of what is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShareTrials {
+    /// Maximum number of groups of films, and of the films of each: scenes take long to prepare.
+    pub groups: usize,
+    pub films: usize,
+    /// Samples of a small picture. With 0, nothing is traced.
+    pub samples: u64,
+}
+
+impl ShareTrials {
+    /// Limits with this number of samples.
+    pub fn of_samples(samples: u64) -> Self {
+        Self { groups: 4, films: 8, samples }
+    }
+
+    /// Limits for `count` films at most, but at least the two films of one group that can share paths.
+    pub fn of_films(count: usize, samples: u64) -> Self {
+        let all = Self::of_samples(samples);
+        let films = count.clamp(2, all.films);
+        Self { groups: (count / films).clamp(1, all.groups), films, samples }
+    }
+}
 
 /// How many paths of films are traced.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,22 +46,21 @@ pub struct PathShares {
     pub obstacle: Option<PathObstacle>,
 }
 
-/// The paths that films share. `samples` is the number of samples of a small picture; with 0, nothing is traced and no
-/// film shares paths.
-pub fn path_shares(sequence: &Sequence, plan: &Plan, samples: u64) -> PathShares {
+/// The paths that films share. If nothing is traced, no film shares paths.
+pub fn path_shares(sequence: &Sequence, plan: &Plan, trials: ShareTrials) -> PathShares {
     let mut found = PathShares { films: vec![1.0; plan.films.len()], obstacle: None };
     for group in &plan.view_groups {
         let alone: u64 = group.films.clone().map(|film| camera_rays(sequence, plan.state_of(film))).sum();
         found.films[group.films.clone()].fill(group.camera_rays as f64 / alone.max(1) as f64);
     }
     let groups = groups(plan);
-    if samples == 0 || groups.is_empty() {
+    if trials.samples == 0 || groups.is_empty() {
         return found;
     }
-    let count = groups.len().min(GROUPS);
+    let count = groups.len().min(trials.groups);
     let chosen = |index: usize| (2 * index + 1) * groups.len() / (2 * count);
     let known: Vec<(f64, Option<PathObstacle>)> =
-        (0..count).map(|index| share(sequence, plan, groups[chosen(index)], samples)).collect();
+        (0..count).map(|index| share(sequence, plan, groups[chosen(index)], trials)).collect();
     for (index, (first, films)) in groups.iter().enumerate() {
         found.films[*first..first + films].fill(known[index * count / groups.len()].0);
     }
@@ -68,16 +87,16 @@ fn share(
     sequence: &Sequence,
     plan: &Plan,
     (first, films): (usize, usize),
-    samples: u64,
+    trials: ShareTrials,
 ) -> (f64, Option<PathObstacle>) {
     let shared = &plan.films[first..first + films];
     let states: Vec<&FrameState> = shared.iter().map(|film| &plan.states.frames[film.frames[0]]).collect();
-    let small = downscaled(sequence, states[0], samples);
+    let small = downscaled(sequence, states[0], trials.samples);
     let mut frames = FrameLoop::new(&small, NullSink, Arc::new(ProgressMeter::default()));
     let (mut alone, mut obstacle, mut tries) = (0, None, Tries::default());
     while alone + 1 < films {
         let lit: Vec<LayerId> = Plan::lit(&shared[alone..]);
-        let few = &states[alone..films.min(alone + FILMS)];
+        let few = &states[alone..films.min(alone + trials.films)];
         let Ok(group) = frames.trace_together(few, &lit, plan.scenes_budget()) else { break };
         obstacle = obstacle.or(group.end);
         if !group.films.is_empty() {

@@ -5,7 +5,7 @@
 //! lower bound; an [`outlook`](super::outlook) estimates the real number.
 
 use super::camera_rays::{camera_rays, camera_rays_in_order};
-use super::path_shares::path_shares;
+use super::path_shares::{ShareTrials, path_shares};
 use super::render_plan::Plan;
 use crate::base::stats::ProgressMeter;
 use crate::encode::EncodeError;
@@ -128,7 +128,7 @@ pub fn cost_estimate(sequence: &Sequence, plan: &Plan, budget: PilotBudget) -> C
         plan.films.iter().map(|shared| (&states[shared.frames[0]], shared.lit.clone())).collect();
     let trials = trials(sequence, &films, budget).unwrap_or_default();
     let known = RayEstimate::of(sequence, plan);
-    let shares = path_shares(sequence, plan, budget.samples);
+    let shares = path_shares(sequence, plan, ShareTrials::of_samples(budget.samples));
     let rays = |(film, (state, _)): (usize, &LitFrame)| {
         let nearest = trials.get(film * trials.len() / films.len());
         let each =

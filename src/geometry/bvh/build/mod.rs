@@ -14,7 +14,7 @@ mod split;
 mod tests;
 
 pub use pieces::fetch_ahead;
-pub use refit::Refitter;
+pub use refit::{LeafBox, Refitter};
 
 use super::{LeafPrimitives, Tree, TreeSpace};
 use crate::base::math::{Aabb, DVec3};

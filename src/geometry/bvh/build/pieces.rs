@@ -72,6 +72,12 @@ fn corners(space: &TreeSpace, positions: &[DVec3], [a, b, c]: [u32; 3]) -> [DVec
     [point(a), point(b), point(c)]
 }
 
+/// The box around a whole triangle.
+#[inline(always)]
+pub fn whole(space: &TreeSpace, positions: &[DVec3], triangle: [u32; 3]) -> Bounds {
+    around(&corners(space, positions, triangle))
+}
+
 /// The sum of a triangle's areas projected along the axes. However the triangle is cut, the half areas of its pieces'
 /// boxes sum to at least this. One cut usually closes half of the gap.
 fn projected_area([a, b, c]: [DVec3; 3]) -> f32 {

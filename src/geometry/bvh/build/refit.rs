@@ -1,9 +1,83 @@
 //! Refits trees: moves the boxes of leaves, and widens or narrows those above them. The tree keeps its shape.
 
 use super::bounds::Bounds;
+use super::pieces;
 use crate::base::math::{Aabb, DVec3};
-use crate::geometry::bvh::Tree;
 use crate::geometry::bvh::tree::{Child, Node};
+use crate::geometry::bvh::{Tree, TreeSpace};
+
+/// The box around the content of a leaf, in the space of its tree.
+#[derive(Clone, Copy, Debug)]
+pub struct LeafBox([[f32; 3]; 2]);
+
+impl LeafBox {
+    /// The box around triangles that lie in `space`.
+    #[inline(always)]
+    pub fn of_triangles(
+        space: &TreeSpace,
+        positions: &[DVec3],
+        triangles: &[[u32; 3]],
+        leaf: impl Iterator<Item = u32>,
+    ) -> Self {
+        let boxes = leaf.map(|triangle| pieces::whole(space, positions, triangles[triangle as usize]));
+        Self(boxes.fold(Bounds::EMPTY, Bounds::union).corners())
+    }
+
+    /// A box of the world, rounded outwards.
+    #[inline(always)]
+    pub fn of_box(space: &TreeSpace, bounds: Aabb) -> Self {
+        Self(Bounds::new(space.outward(bounds)).corners())
+    }
+}
+
+/// A refitted tree is worth keeping up to this multiple of the cost of the built one.
+const WORST_GROWTH: f64 = 1.25;
+
+impl Tree {
+    /// The tree with other content of its leaves, which lies in `space`: one box for each leaf. None if it costs much more
+    /// than `built`, the [cost](Self::cost) of the tree when it was built.
+    pub fn refitted(&self, space: TreeSpace, leaves: &[LeafBox], built: f64) -> Option<Self> {
+        let (mut nodes, mut area) = (self.nodes.clone(), 0.0);
+        // Children follow their parents.
+        for index in (0..nodes.len()).rev() {
+            for slot in 0..8 {
+                let child = nodes[index].children[slot];
+                if child != Child::NONE {
+                    let corners = match child.as_leaf() {
+                        Some(leaf) => leaves[leaf as usize].0,
+                        None => nodes[child.0 as usize].corners(),
+                    };
+                    nodes[index].set_box(slot, corners);
+                    area += half_area(corners);
+                }
+            }
+        }
+        let all = match (nodes.first(), leaves.first()) {
+            (Some(root), _) => root.corners(),
+            (None, Some(only)) => only.0,
+            (None, None) => EMPTY,
+        };
+        let bounds = all.map(|corner| DVec3::from_array(corner.map(f64::from)));
+        let tree = Self { space, bounds, nodes, root: self.root };
+        // A comparison with NaN is false.
+        (tree.cost_of(area) <= WORST_GROWTH * built).then_some(tree)
+    }
+
+    /// The expected number of nodes and leaves that a ray visits if it hits the box around all (surface area
+    /// heuristic).
+    pub fn cost(&self) -> f64 {
+        let boxes = |node: &Node| {
+            let slots = (0..8).zip(node.children).filter(|(_, child)| *child != Child::NONE);
+            slots.map(|(slot, _)| half_area(node.box_of(slot))).sum::<f64>()
+        };
+        self.cost_of(self.nodes.iter().map(boxes).sum())
+    }
+
+    /// The cost for a sum of the half areas of all boxes below the root.
+    fn cost_of(&self, area: f64) -> f64 {
+        1.0 + area / self.nodes.first().map_or(1.0, |root| half_area(root.corners()))
+    }
+}
 
 /// Where the boxes of a tree are, and what they cost.
 #[derive(Clone, Debug, Default)]
@@ -106,9 +180,9 @@ impl Refitter {
         self.cost(tree) / self.built
     }
 
-    /// The expected number of nodes and leaves that a ray visits if it hits the box around all.
+    /// [`Tree::cost`], without looking at every box.
     pub fn cost(&self, tree: &Tree) -> f64 {
-        1.0 + self.area / tree.nodes.first().map_or(1.0, |root| half_area(root.corners()))
+        tree.cost_of(self.area)
     }
 }
 

@@ -31,16 +31,15 @@ fn down(x: f64, y: f64) -> Ray {
     Ray { origin: DVec3::new(x, y, 1.0), direction: DVec3::NEG_Z }
 }
 
-#[test]
-fn the_tree_finds_what_every_triangle_finds() {
-    let mesh = shape(generate::displaced_sphere(3, 7), Normals::Flat);
+/// Rays find the nearest triangle of all in the tree. Returns how many of them hit.
+fn hits_of_every_triangle(mesh: &Mesh, rays: usize) -> usize {
     let mut random = Random(3);
     let mut hits = 0;
-    for _ in 0..3000 {
+    for _ in 0..rays {
         let origin = random.point(3.0);
         let ray = TraversalRay::new(Ray { origin, direction: random.point(1.0) - origin });
         let each = (0..mesh.mesh.triangles().len() as u32)
-            .filter_map(|part| Some(ShapeHit::of_part(crossed(&mesh, part, &ray)?, part)));
+            .filter_map(|part| Some(ShapeHit::of_part(crossed(mesh, part, &ray)?, part)));
         let nearest = each.min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
         let found = || (mesh.intersect_up_to(&ray, f64::INFINITY), mesh.occludes_up_to(&ray, f64::INFINITY));
         for (level, found) in on_all_levels(found) {
@@ -52,7 +51,47 @@ fn the_tree_finds_what_every_triangle_finds() {
             assert!(!mesh.occludes_up_to(&ray, t) && mesh.occludes_up_to(&ray, t.next_up()));
         }
     }
+    hits
+}
+
+#[test]
+fn the_tree_finds_what_every_triangle_finds() {
+    let hits = hits_of_every_triangle(&shape(generate::displaced_sphere(3, 7), Normals::Flat), 3000);
     assert!(hits > 500, "{hits}");
+}
+
+/// A mesh that was refitted step by step: as it bends and flies away, and as long triangles, which are in several
+/// leaves, become short and long again.
+#[test]
+fn a_refitted_tree_finds_what_every_triangle_finds() {
+    let mut bent = mesh::TriangleMesh::new(generate::displaced_sphere(3, 7)).expect("a mesh");
+    for step in 1..=3 {
+        let mut data = generate::displaced_sphere(3, 7);
+        for position in &mut data.positions {
+            *position += DVec3::new(0.1 * f64::from(step) * libm::sin(3.0 * position.y), 0.0, 0.2);
+        }
+        bent = mesh::TriangleMesh::after(data, Some(&bent)).expect("a mesh");
+    }
+    let hits = hits_of_every_triangle(&Mesh::new(Arc::new(bent), Normals::Flat), 1000);
+    assert!(hits > 100, "{hits}");
+
+    let long = |length: f64| {
+        let mut random = Random(9);
+        let corners = |_| {
+            let (at, along) = (random.point(0.5), random.point(1.0) * length);
+            [at, at + along, at + 0.5 * along + random.point(0.05)]
+        };
+        let positions: Vec<DVec3> = (0..300).flat_map(corners).collect();
+        let triangles = (0..300).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        MeshData { positions, triangles, ..MeshData::default() }
+    };
+    let mut shown = shape(long(1.0), Normals::Flat);
+    for length in [0.9, 0.2, 1.0] {
+        let mesh = mesh::TriangleMesh::after(long(length), Some(&shown.mesh)).expect("a mesh");
+        shown = Mesh::new(Arc::new(mesh), Normals::Flat);
+        let hits = hits_of_every_triangle(&shown, 300);
+        assert!(hits > 10, "{hits}");
+    }
 }
 
 /// Coordinates are interpolated, not normalised, and mean the same at every point (SH-14).

@@ -24,7 +24,7 @@ impl Particles {
     /// Spheres that do not move, with their tree.
     pub fn still(spheres: Vec<Sphere>) -> Self {
         let tracks = Arc::new(ParticleTracks::still(spheres));
-        Self(Arc::new(tracks.at(Time::from_integer(0)).with_tree()))
+        Self(Arc::new(tracks.at(Time::from_integer(0)).with_tree(None)))
     }
 }
 

@@ -31,6 +31,11 @@ impl SpherePacket {
         self.count as usize
     }
 
+    /// The indices of its spheres.
+    pub fn parts(&self) -> &[u32] {
+        &self.parts[..self.count()]
+    }
+
     /// The index of a lane's sphere.
     #[inline(always)]
     pub fn part(&self, lane: usize) -> u32 {

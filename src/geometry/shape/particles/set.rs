@@ -4,7 +4,7 @@ use super::packet::SpherePacket;
 use super::tracks::ParticleTracks;
 use crate::base::digest::{Content, Digest, Digester};
 use crate::base::math::Aabb;
-use crate::geometry::bvh::Tree;
+use crate::geometry::bvh::{LeafBox, Tree, TreeSpace};
 use crate::geometry::mesh::ArrayKey;
 use crate::geometry::shape::{Geometric, Sphere};
 use rayon::prelude::*;
@@ -29,27 +29,64 @@ pub struct ParticleSet {
     bounds: Aabb,
     digest: Digest,
     tree: Tree,
+    /// The cost of the tree when it was built. A refitted tree may cost more.
+    tree_cost: f64,
     /// The spheres of each of the tree's leaves.
     packets: Vec<SpherePacket>,
+}
+
+fn box_of(sphere: &Sphere) -> Aabb {
+    sphere.bounds().unwrap_or(Aabb::EMPTY)
 }
 
 impl ParticleSet {
     /// A set without a tree, which no ray hits.
     pub(super) fn new(tracks: Arc<ParticleTracks>, spheres: Vec<Sphere>, origins: Vec<Origin>) -> Self {
-        let bounds = spheres.iter().filter_map(Geometric::bounds).fold(Aabb::EMPTY, Aabb::union);
-        let digest = Digest::of(&spheres);
-        Self { tracks, spheres, origins, bounds, digest, tree: Tree::default(), packets: Vec::new() }
+        let around = || spheres.iter().filter_map(Geometric::bounds).fold(Aabb::EMPTY, Aabb::union);
+        let (bounds, digest) = rayon::join(around, || Digest::of(&spheres));
+        let (tree, packets) = (Tree::default(), Vec::new());
+        Self { tracks, spheres, origins, bounds, digest, tree, tree_cost: 0.0, packets }
     }
 
-    /// The same set with its tree.
-    pub fn with_tree(mut self) -> Self {
-        let boxes: Vec<Aabb> =
-            self.spheres.par_iter().map(|sphere| sphere.bounds().unwrap_or(Aabb::EMPTY)).collect();
+    /// The same set with its tree. It is that of `before` where the spheres are now, if that is still good.
+    pub fn with_tree(mut self, before: Option<&Self>) -> Self {
+        let as_many = |before: &&Self| before.has_tree() && before.spheres.len() == self.spheres.len();
+        let before = before.filter(as_many);
+        if before.is_none_or(|before| self.refit(before).is_none()) {
+            self.build();
+        }
+        self
+    }
+
+    /// Whether the tree was not built for these spheres.
+    #[cfg(test)]
+    pub(super) fn is_refitted_from(&self, before: &Self) -> bool {
+        let parts = |set: &Self| set.packets.iter().map(|packet| packet.parts().to_vec()).collect::<Vec<_>>();
+        self.tree_cost == before.tree_cost && parts(self) == parts(before)
+    }
+
+    fn build(&mut self) {
+        let boxes: Vec<Aabb> = self.spheres.par_iter().with_min_len(FEW).map(box_of).collect();
         let (tree, leaves) = Tree::of_packed_boxes(&boxes);
         let packet = |leaf| SpherePacket::new(&self.spheres, leaves.leaf(leaf));
         self.packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(packet).collect();
-        self.tree = tree;
-        self
+        (self.tree_cost, self.tree) = (tree.cost(), tree);
+    }
+
+    /// Takes the tree of other spheres, as many. None if it would be much worse than a new one.
+    fn refit(&mut self, before: &Self) -> Option<()> {
+        let space = TreeSpace::around(self.bounds);
+        let moved = |before: &SpherePacket| {
+            let parts = before.parts();
+            let boxes = parts.iter().map(|&part| box_of(&self.spheres[part as usize]));
+            let around = LeafBox::of_box(&space, boxes.fold(Aabb::EMPTY, Aabb::union));
+            (SpherePacket::new(&self.spheres, parts), around)
+        };
+        let (packets, boxes): (Vec<_>, Vec<_>) =
+            before.packets.par_iter().with_min_len(FEW).map(moved).unzip();
+        self.tree = before.tree.refitted(space, &boxes, before.tree_cost)?;
+        (self.tree_cost, self.packets) = (before.tree_cost, packets);
+        Some(())
     }
 
     pub fn spheres(&self) -> &[Sphere] {

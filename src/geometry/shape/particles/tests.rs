@@ -1,15 +1,17 @@
 //! Particles find what every sphere finds.
 
-use super::Particles;
+use super::{ParticleTracks, Particles};
 use crate::base::lanes::tests::on_all_levels;
 use crate::base::lanes::{Level, Mask, Row, SimdKernel, dispatch};
 use crate::base::math::{DVec3, Ray};
+use crate::base::time::Time;
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::part_search::every_part;
 use crate::geometry::shape::{
     Geometric, LaneHit, OneRay, PreparedRay, RayInterval, ShapeHit, Sphere, Surface,
 };
 use crate::testing::{Random, eight_rays};
+use std::sync::Arc;
 
 /// Spheres that overlap, some of them equal.
 fn random(random: &mut Random, count: usize) -> Vec<Sphere> {
@@ -24,32 +26,51 @@ fn random(random: &mut Random, count: usize) -> Vec<Sphere> {
 fn the_tree_finds_what_every_sphere_finds() {
     let mut random_numbers = Random(17);
     for count in [0, 1, 7, 8, 9, 300] {
-        let spheres = random(&mut random_numbers, count);
-        let all = Particles::still(spheres.clone());
-        let mut hits = 0;
-        for _ in 0..1000 {
-            let origin = random_numbers.point(2.0);
-            let ray = TraversalRay::new(Ray { origin, direction: random_numbers.point(1.0) - origin });
-            let each = (0..).zip(&spheres).filter_map(|(part, sphere)| {
-                Some(ShapeHit::of_part(sphere.intersect_up_to(&ray, f64::INFINITY)?.t, part))
-            });
-            let nearest = each.min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
-            let found =
-                || (all.intersect_up_to(&ray, f64::INFINITY), all.occludes_up_to(&ray, f64::INFINITY));
-            for (level, (hit, blocked)) in on_all_levels(found) {
-                let hit = hit.map(|hit| ShapeHit { coincident: false, ..hit });
-                assert_eq!((hit, blocked), (nearest, nearest.is_some()), "{level:?}");
-            }
-            let Some(at) = nearest else { continue };
-            hits += 1;
-            assert_eq!(all.intersect_up_to(&ray, at.t), None, "nothing lies before the nearest");
-            let (surface, own) =
-                (all.surface_at(&ray.ray, at), spheres[at.part as usize].surface_at(&ray.ray, at));
-            assert_eq!(surface, own);
-            assert_eq!(all.uv_at(surface.point, at.part), spheres[at.part as usize].uv_at(surface.point, 0));
-        }
-        assert!(count < 7 || hits > 20, "{hits} of {count}");
+        let mut spheres = random(&mut random_numbers, count);
+        let still = Particles::still(spheres.clone());
+        assert_finds_every(&still, &spheres, &mut random_numbers);
+
+        // A swarm that flies away, and the tree that goes with it.
+        spheres.iter_mut().for_each(|sphere| sphere.center += 0.02 * random_numbers.point(1.0) + DVec3::X);
+        let tracks = Arc::new(ParticleTracks::still(spheres.clone()));
+        let moved = tracks.at(Time::from_integer(0)).with_tree(Some(&*still.0));
+        assert_eq!(moved.is_refitted_from(&still.0), count > 0, "{count}");
+        assert_finds_every(&Particles(Arc::new(moved)), &spheres, &mut random_numbers);
+
+        // After a leap of each sphere, that tree would be bad.
+        let leapt = random(&mut random_numbers, count);
+        let tracks = Arc::new(ParticleTracks::still(leapt.clone()));
+        let moved = tracks.at(Time::from_integer(0)).with_tree(Some(&*still.0));
+        assert!(count < 300 || !moved.is_refitted_from(&still.0));
+        assert_finds_every(&Particles(Arc::new(moved)), &leapt, &mut random_numbers);
     }
+}
+
+/// Rays find the nearest of all spheres.
+fn assert_finds_every(all: &Particles, spheres: &[Sphere], random_numbers: &mut Random) {
+    let (mut hits, middle) = (0, spheres.first().map_or(DVec3::ZERO, |sphere| sphere.center));
+    for _ in 0..1000 {
+        let origin = middle + random_numbers.point(2.0);
+        let direction = middle + random_numbers.point(1.0) - origin;
+        let ray = TraversalRay::new(Ray { origin, direction });
+        let each = (0..).zip(spheres).filter_map(|(part, sphere)| {
+            Some(ShapeHit::of_part(sphere.intersect_up_to(&ray, f64::INFINITY)?.t, part))
+        });
+        let nearest = each.min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
+        let found = || (all.intersect_up_to(&ray, f64::INFINITY), all.occludes_up_to(&ray, f64::INFINITY));
+        for (level, (hit, blocked)) in on_all_levels(found) {
+            let hit = hit.map(|hit| ShapeHit { coincident: false, ..hit });
+            assert_eq!((hit, blocked), (nearest, nearest.is_some()), "{level:?}");
+        }
+        let Some(at) = nearest else { continue };
+        hits += 1;
+        assert_eq!(all.intersect_up_to(&ray, at.t), None, "nothing lies before the nearest");
+        let (surface, own) =
+            (all.surface_at(&ray.ray, at), spheres[at.part as usize].surface_at(&ray.ray, at));
+        assert_eq!(surface, own);
+        assert_eq!(all.uv_at(surface.point, at.part), spheres[at.part as usize].uv_at(surface.point, 0));
+    }
+    assert!(spheres.len() < 7 || hits > 20, "{hits} of {}", spheres.len());
 }
 
 #[test]

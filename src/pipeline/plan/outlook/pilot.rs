@@ -6,13 +6,14 @@ use super::run_forecast::Outlook;
 use crate::base::clock::{ElapsedTime, TimeSource, timed};
 use crate::base::color::Rgb;
 use crate::film::AovSet;
-use crate::pipeline::plan::path_shares::path_shares;
+use crate::pipeline::plan::path_shares::{ShareTrials, path_shares};
 use crate::pipeline::plan::ray_estimate::PilotBudget;
 use crate::pipeline::plan::render_plan::Plan;
 use crate::pipeline::plan::shared_films::SharedFilm;
 use crate::pipeline::schedule::{PassCost, Prober};
 use crate::sequence::Sequence;
 use crate::trace::PilotBlocks;
+use std::cmp::Reverse;
 use std::ops::Range;
 
 /// Time limit of a pilot, in addition to a first probe of a few milliseconds.
@@ -58,19 +59,35 @@ pub fn run_pilot(
 ) -> Outlook {
     let states = &plan.states.frames;
     let random: Vec<bool> = plan.films.iter().map(|shared| states[shared.frames[0]].random).collect();
-    let mut places = spread(&random, true);
-    places.extend(spread(&random, false));
-    let prober = Prober::new(sequence, aovs, clock);
-    let (shares, took) = timed(|| path_shares(sequence, plan, PilotBudget::PLAN.samples));
-    let mut run = PilotRun { sequence, plan, spent: clock.elapsed(took, 0), prober };
+    let kinds = [spread(&random, true), spread(&random, false)];
+    let mut run =
+        PilotRun { sequence, plan, spent: ElapsedTime::ZERO, prober: Prober::new(sequence, aovs, clock) };
     let few = ProbeBudget { blocks: BLOCKS * rayon::current_num_threads(), seconds: 0.0 };
-    let mut pilots: Vec<PilotFilm> = places.iter().filter_map(|&place| run.film(place, few)).collect();
-    let outlook = |mut pilots: Vec<PilotFilm>, spent: ElapsedTime| {
+    let outlook = |mut pilots: Vec<PilotFilm>, shares: &[f64], spent: ElapsedTime| {
         pilots.sort_by_key(|pilot| pilot.place);
         same_power(&mut pilots);
-        Outlook { pilots, random: random.clone(), shares: shares.films.clone(), spent }
+        Outlook { pilots, random: random.clone(), shares: shares.to_vec(), spent }
     };
-    let expected = outlook(pilots.clone(), run.spent).forecast(&sequence.quality).wall.mid;
+    let unshared = vec![1.0; plan.films.len()];
+    let expected = |pilots: &[PilotFilm], shares: &[f64], spent| {
+        outlook(pilots.to_vec(), shares, spent).forecast(&sequence.quality).wall.mid
+    };
+    let mut pilots: Vec<PilotFilm> = Vec::new();
+    // One film of each kind, then others. Where films take long to prepare, few of them must do: half of the time is for
+    // these, half for the paths that they may share.
+    let (firsts, others): (Vec<&[usize]>, Vec<&[usize]>) =
+        kinds.iter().map(|kind| kind.split_at(kind.len().min(1))).unzip();
+    pilots.extend(firsts.concat().into_iter().filter_map(|place| run.film(place, few)));
+    for place in others.concat() {
+        if run.spent.wall > 0.5 * limit.share * expected(&pilots, &unshared, run.spent) {
+            break;
+        }
+        pilots.extend(run.film(place, few));
+    }
+    let trials = affordable(&pilots, 0.5 * limit.share * expected(&pilots, &unshared, run.spent));
+    let (shares, took) = timed(|| path_shares(sequence, plan, trials).films);
+    run.spent = run.spent + clock.elapsed(took, 0);
+    let expected = expected(&pilots, &shares, run.spent);
     let left = limit.seconds.min(limit.share * expected) - run.spent.wall;
     // A pilot that is shorter than the first probe would add no information.
     if left > run.spent.wall {
@@ -81,7 +98,13 @@ pub fn run_pilot(
         };
         pilots = pilots.into_iter().map(deeper).collect();
     }
-    outlook(pilots, run.spent)
+    outlook(pilots, &shares, run.spent)
+}
+
+/// The films that can be tried for sharing paths within `seconds`, by the time that they take to prepare.
+fn affordable(pilots: &[PilotFilm], seconds: f64) -> ShareTrials {
+    let each = pilots.iter().map(|pilot| pilot.prepare.wall).sum::<f64>() / pilots.len().max(1) as f64;
+    ShareTrials::of_films((seconds / each.max(1e-9)) as usize, PilotBudget::PLAN.samples)
 }
 
 /// The budget of one film.
@@ -107,12 +130,15 @@ impl ProbeBudget {
     }
 }
 
-/// Selects films of one kind, evenly spaced.
+/// Selects films of one kind, evenly spaced: the middle one first, then from the ends.
 fn spread(random: &[bool], wanted: bool) -> Vec<usize> {
     let all: Vec<usize> = (0..random.len()).filter(|&place| random[place] == wanted).collect();
     let count = FILMS.min(all.len());
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by_key(|index| Reverse(index.abs_diff(count / 2)));
+    order.rotate_right(count.min(1));
     // Each selected film is the middle of an equal part of the list.
-    (0..count).map(|index| all[(2 * index + 1) * all.len() / (2 * count)]).collect()
+    order.into_iter().map(|index| all[(2 * index + 1) * all.len() / (2 * count)]).collect()
 }
 
 /// The exponent of a single film is uncertain, so all films get the mean.
