@@ -23,12 +23,14 @@ impl NearestPart {
         self.hit.map_or(self.within.max, |best| min(self.within.max, self.coincidence_range.end(best.t)))
     }
 
-    /// Records a hit before the limit if it is closer, or equally close with a lower index.
+    /// Records a hit before the limit if it is closer, or equally close with a lower index. A part in several leaves does
+    /// not coincide with itself.
     #[inline(always)]
     pub fn consider(&mut self, t: f64, part: u32) {
         let at = ShapeHit::of_part(t, part);
         self.hit = Some(match self.hit {
             None => at,
+            Some(best) if part == best.part => best,
             Some(best) if t < best.t || t == best.t && part < best.part => {
                 ShapeHit { coincident: best.t <= self.coincidence_range.end(t), ..at }
             }

@@ -146,7 +146,8 @@ impl<L: Level, const ANY: bool> BundleVisitor<L> for BundleWalk<'_, L, ANY> {
             }
             let (part, best) = (L::U32::splat(packet.part(lane)), &mut self.found);
             let nearer = hit & (at.t.lt(best.t) | at.t.eq(best.t) & part.lt(best.part));
-            let coincident = hit & best.t.le(self.coincidence_range.end(at.t));
+            // A triangle in several leaves does not coincide with itself.
+            let coincident = hit & !part.eq(best.part) & best.t.le(self.coincidence_range.end(at.t));
             best.coincident = best.coincident | coincident;
             if nearer.any() {
                 self.take(nearer, LaneHit { t: at.t, part, coincident });
