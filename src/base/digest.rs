@@ -46,7 +46,8 @@ pub trait Content {
 
 /// Computes a digest.
 pub struct Digester {
-    hasher: blake3::Hasher,
+    /// What was hashed already; none of most values, which are short.
+    hasher: Option<Box<blake3::Hasher>>,
     /// Bytes not hashed yet. Hashing many short pieces takes longer than one long piece.
     bytes: Vec<u8>,
 }
@@ -60,14 +61,14 @@ const PIECE: usize = 64;
 impl Digester {
     pub fn new() -> Self {
         // Most values fit, so the list does not grow in steps.
-        Self { hasher: blake3::Hasher::new(), bytes: Vec::with_capacity(256) }
+        Self { hasher: None, bytes: Vec::with_capacity(256) }
     }
 
     /// Adds bytes, but not their number.
     pub fn bytes(&mut self, bytes: &[u8]) {
         self.bytes.extend_from_slice(bytes);
         if self.bytes.len() >= BUFFER_SIZE {
-            self.hasher.update(&self.bytes);
+            self.hasher.get_or_insert_default().update(&self.bytes);
             self.bytes.clear();
         }
     }
@@ -82,10 +83,13 @@ impl Digester {
         }
     }
 
-    pub fn finish(mut self) -> Digest {
-        self.hasher.update(&self.bytes);
+    pub fn finish(self) -> Digest {
+        let hash = match self.hasher {
+            None => blake3::hash(&self.bytes),
+            Some(mut hasher) => hasher.update(&self.bytes).finalize(),
+        };
         let mut digest = [0; 16];
-        self.hasher.finalize_xof().fill(&mut digest);
+        digest.copy_from_slice(&hash.as_bytes()[..16]);
         Digest(u128::from_be_bytes(digest))
     }
 }

@@ -114,18 +114,30 @@ impl Geometry {
 
     /// [`Geometry::set`] of what only some rays see.
     pub fn set_seen(&mut self, slot: usize, content: Option<(&Shape, DAffine3, Finish)>, rays: RayKinds) {
-        let packed = |(shape, to_world, finish): (&Shape, DAffine3, Finish)| {
-            let to_object = inverse(&to_world)?;
-            let primitive = Primitive { rays, ..Primitive::placed(shape, to_world, &to_object, finish) };
-            Some((primitive, Origin { shape: shape.clone(), to_object }))
+        let invertible = content.and_then(|(shape, to_world, finish)| {
+            inverse(&to_world).map(|to_object| (shape, to_world, to_object, finish))
+        });
+        // Shapes are large, so they are moved and cloned as rarely as possible: most objects keep theirs.
+        let (shape, to_object, primitive) = match invertible {
+            Some((shape, to_world, to_object, finish)) => {
+                let primitive = Primitive::placed(shape, to_world, &to_object, finish);
+                (shape, to_object, Primitive { rays, ..primitive })
+            }
+            None => (&Shape::Group, DAffine3::IDENTITY, Primitive::EMPTY),
         };
-        let (primitive, origin) = content.and_then(packed).unwrap_or((Primitive::EMPTY, Origin::EMPTY));
-        if self.primitives[slot] != primitive {
-            self.replace(slot, primitive);
-        } else if self.origins[slot] == origin {
+        let origin = &mut self.origins[slot];
+        let keeps_shape = origin.shape == *shape;
+        let is_changed = self.primitives[slot] != primitive;
+        if !is_changed && keeps_shape && origin.to_object == to_object {
             return;
         }
-        self.origins[slot] = origin;
+        origin.to_object = to_object;
+        if !keeps_shape {
+            origin.shape = shape.clone();
+        }
+        if is_changed {
+            self.replace(slot, primitive);
+        }
         self.journal.note(slot as u32);
     }
 
