@@ -76,6 +76,7 @@ impl AtomicFile {
         let folder = folder_of(path);
         let created = attempt(Operation::CreateFolder, folder, || fs::create_dir_all(folder));
         created.map_err(|e| EncodeError::write(folder, e))?;
+        #[cfg_attr(not(unix), expect(unused_mut, reason = "only Unix has permissions to change"))]
         let mut builder = temporary::builder();
         // Temporary files are private by default. The finished file should have the permissions that the umask allows.
         #[cfg(unix)]

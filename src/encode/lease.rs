@@ -14,7 +14,9 @@ mod holder;
 #[cfg(test)]
 mod tests;
 
-pub use holder::{LeaseHolder, holder, is_lease, path_of};
+#[cfg(any(unix, test))]
+pub use holder::is_lease;
+pub use holder::{LeaseHolder, holder, path_of};
 
 use super::disk::{Operation, attempt};
 use super::error::EncodeError;
@@ -159,6 +161,7 @@ fn remove_void(path: &Path, holder: &LeaseHolder) -> io::Result<()> {
 }
 
 /// Removes a lease if it is void.
+#[cfg(unix)]
 pub fn sweep(path: &Path) {
     if let Ok(Some(holder)) = holder(path)
         && holder.is_gone()

@@ -50,6 +50,7 @@ pub fn path_of(output: &Output, film: Digest) -> PathBuf {
 }
 
 /// Whether a file name is that of a lease.
+#[cfg(any(unix, test))]
 pub fn is_lease(name: &str) -> bool {
     name.strip_prefix(PREFIX).is_some_and(|rest| rest.starts_with(LEASE_PREFIX))
 }
