@@ -19,6 +19,14 @@ pub fn is_after(a: Time, b: Time) -> bool {
     }
 }
 
+/// Whether two times are equal, likewise.
+pub fn is_same(a: Time, b: Time) -> bool {
+    match (small(a), small(b)) {
+        (Some((a, of_a)), Some((b, of_b))) => a * of_b == b * of_a,
+        _ => a == b,
+    }
+}
+
 /// Numerator and denominator if both fit in 32 bits: then products of three of them fit, with room for a sum.
 fn small(time: Time) -> Option<(i128, i128)> {
     let fits = |number: &i128| i32::try_from(*number).is_ok();
@@ -208,6 +216,7 @@ mod tests {
                 let mut time = || Ratio::new(number(size), 1 + number(size).abs());
                 let (a, b, c) = (time(), time(), time());
                 assert_eq!(is_after(a, b), a > b, "{a} {b}");
+                assert_eq!((is_same(a, b), is_same(a, a)), (a == b, true), "{a} {b}");
                 if b > a {
                     assert_eq!(Fraction::between(c, a, b), Fraction::new(c - a, b - a), "{c} in {a}, {b}");
                 }

@@ -13,7 +13,7 @@ pub use ease::Ease;
 pub use interpolate::{Animate, LogScale, Modes};
 pub use switch::Switch;
 
-use crate::base::time::{Fraction, Time, is_after};
+use crate::base::time::{Fraction, Time, is_after, is_same};
 use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
@@ -173,7 +173,7 @@ impl<T: Animate> Track<T> {
         };
         // Curves meet their ends only up to rounding. Return the exact value at a key, so that a last key that
         // repeats the first gives the same state.
-        if time == a.time {
+        if is_same(time, a.time) {
             return a.value.clone();
         }
         let s = Fraction::between(time, a.time, b.time);

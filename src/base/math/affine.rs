@@ -11,9 +11,9 @@ pub fn inverse(affine: &DAffine3) -> Option<DAffine3> {
 
 /// The inverse of a matrix, refined once. None if it is singular or not finite.
 fn inverse_matrix(m: DMat3) -> Option<DMat3> {
-    let bits = |m: &DMat3| m.to_cols_array().map(f64::to_bits);
     // Most objects are only moved. A negative zero is left to the general case, which may keep it.
-    if bits(&m) == bits(&DMat3::IDENTITY) {
+    let mut pairs = m.to_cols_array().into_iter().zip(DMat3::IDENTITY.to_cols_array());
+    if pairs.all(|(own, identity)| own.to_bits() == identity.to_bits()) {
         return Some(m);
     }
     let determinant = m.determinant();

@@ -64,7 +64,7 @@ impl TreeSpace {
         let (min, max) = (self.point(bounds.min) - error, self.point(bounds.max) + error);
         let down = |v: f64| if f64::from(v as f32) > v { (v as f32).next_down() } else { v as f32 };
         let up = |v: f64| if f64::from(v as f32) < v { (v as f32).next_up() } else { v as f32 };
-        [min.to_array().map(down), max.to_array().map(up)]
+        [[down(min.x), down(min.y), down(min.z)], [up(max.x), up(max.y), up(max.z)]]
     }
 }
 

@@ -72,7 +72,7 @@ impl Bounds {
 
     /// The lower and the upper corner.
     pub fn corners(&self) -> [[f32; 3]; 2] {
-        [self.low, self.high].map(|corner| corner.truncate().to_array())
+        [self.low.truncate().to_array(), self.high.truncate().to_array()]
     }
 }
 

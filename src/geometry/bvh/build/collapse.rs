@@ -142,10 +142,14 @@ impl Node {
 
     /// The corners of the box around all children.
     pub(super) fn corners(&self) -> [[f32; 3]; 2] {
-        [
-            self.planes.map(|[low, _]| low.into_iter().fold(f32::INFINITY, f32::min)),
-            self.planes.map(|[_, high]| high.into_iter().fold(f32::NEG_INFINITY, f32::max)),
-        ]
+        let mut corners = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+        for (axis, [low, high]) in self.planes.iter().enumerate() {
+            for slot in 0..8 {
+                corners[0][axis] = corners[0][axis].min(low[slot]);
+                corners[1][axis] = corners[1][axis].max(high[slot]);
+            }
+        }
+        corners
     }
 }
 

@@ -194,6 +194,7 @@ fn half_area(corners: [[f32; 3]; 2]) -> f64 {
 impl Node {
     /// The corners of a child's box.
     fn box_of(&self, slot: usize) -> [[f32; 3]; 2] {
-        [0, 1].map(|side: usize| self.planes.map(|planes| planes[side][slot]))
+        let [[x, to_x], [y, to_y], [z, to_z]] = &self.planes;
+        [[x[slot], y[slot], z[slot]], [to_x[slot], to_y[slot], to_z[slot]]]
     }
 }
