@@ -41,13 +41,13 @@ impl TriangleMesh {
         let build = || {
             // Meshes that move have names of their own, so nobody asks for their digests.
             rayon::join(
-                || GrownTree::new(&data, bounds),
+                || BuiltTree::new(&data, bounds),
                 || before.is_none().then(|| digest.get_or_init(|| self::digest(&data))),
             )
             .0
         };
-        let grown = refitted.unwrap_or_else(build);
-        let GrownTree { tree, packets, cost } = grown;
+        let built = refitted.unwrap_or_else(build);
+        let BuiltTree { tree, packets, cost } = built;
         let arrays = DataArrays::new(std::mem::take(&mut data.arrays));
         let exact = first(&data.positions, |position| !tree.space().is_exact(*position)).is_none();
         Ok(Self {
@@ -69,7 +69,7 @@ impl TriangleMesh {
 }
 
 /// The tree over the triangles of a mesh.
-struct GrownTree {
+struct BuiltTree {
     tree: Tree,
     /// The triangles of its leaves.
     packets: Vec<Packet>,
@@ -77,7 +77,7 @@ struct GrownTree {
     cost: f64,
 }
 
-impl GrownTree {
+impl BuiltTree {
     /// Builds the tree over triangles within `bounds`.
     fn new(data: &MeshData, bounds: Aabb) -> Self {
         let (tree, leaves) = Tree::of_triangles(bounds, &data.positions, &data.triangles);
@@ -93,7 +93,7 @@ impl GrownTree {
 
 impl TriangleMesh {
     /// The tree with the same triangles elsewhere. None if it would be much worse than a new one.
-    fn refitted(&self, data: &MeshData, bounds: Aabb) -> Option<GrownTree> {
+    fn refitted(&self, data: &MeshData, bounds: Aabb) -> Option<BuiltTree> {
         let space = TreeSpace::around(bounds);
         let moved = |(index, before): (usize, &Packet)| {
             if let Some(soon) = self.packets.get(index + AHEAD as usize) {
@@ -108,7 +108,7 @@ impl TriangleMesh {
         let (packets, boxes): (Vec<_>, Vec<_>) =
             self.packets.par_iter().enumerate().with_min_len(FEW / 8).map(moved).unzip();
         let tree = self.tree.refitted(space, &boxes, self.tree_cost)?;
-        Some(GrownTree { tree, packets, cost: self.tree_cost })
+        Some(BuiltTree { tree, packets, cost: self.tree_cost })
     }
 }
 

@@ -25,7 +25,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Files that are checked at the same time; as many meshes are in memory then.
-const CHECKED_AT_ONCE: usize = 3;
+const CHECKED_AT_ONCE: usize = 4;
 
 /// Where a series is between its steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
