@@ -65,7 +65,10 @@ impl TraceContext<'_> {
             let mut hits = Vec::new();
             let within = RayInterval { min: t.next_down(), max: min(searched_to, t_max) };
             bvh.each_hit(self.scene.geometry, &probe, within, &mut |hit| hits.push(hit));
-            hits.sort_by(|a, b| a.at.t.total_cmp(&b.at.t).then(a.primitive.cmp(&b.primitive)));
+            // Trees find hits in any order, and parts in several leaves more than once.
+            let place = |hit: &Hit| (hit.primitive, hit.at.part);
+            hits.sort_by(|a, b| a.at.t.total_cmp(&b.at.t).then(place(a).cmp(&place(b))));
+            hits.dedup_by(|a, b| a.at.t == b.at.t && place(a) == place(b));
             let mut all: Vec<_> = hits.iter().map(|hit| self.coincident_surface(ray, *hit)).collect();
             all.truncate(count_uncertain(&all));
             // The search must reach far beyond the last of them. A long chain of close surfaces needs a longer search.
