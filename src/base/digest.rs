@@ -227,47 +227,25 @@ impl<A: Content, B: Content, C: Content> Content for (A, B, C) {
     }
 }
 
-impl Content for DVec2 {
-    fn feed(&self, into: &mut Digester) {
-        self.to_array().feed(into);
-    }
+macro_rules! vectors {
+    ($($vector:ident),*) => {
+        $(impl Content for $vector {
+            fn feed(&self, into: &mut Digester) {
+                self.to_array().feed(into);
+            }
 
-    fn feed_each(values: &[Self], into: &mut Digester) {
-        for values in values.chunks(PIECE) {
-            let mut some = [[0.0; 2]; PIECE];
-            some.iter_mut().zip(values).for_each(|(some, value)| *some = value.to_array());
-            <[_; 2]>::feed_each(&some[..values.len()], into);
-        }
-    }
+            fn feed_each(values: &[Self], into: &mut Digester) {
+                for values in values.chunks(PIECE) {
+                    let mut some = [$vector::ZERO.to_array(); PIECE];
+                    some.iter_mut().zip(values).for_each(|(some, value)| *some = value.to_array());
+                    Content::feed_each(&some[..values.len()], into);
+                }
+            }
+        })*
+    };
 }
 
-impl Content for DVec3 {
-    fn feed(&self, into: &mut Digester) {
-        self.to_array().feed(into);
-    }
-
-    fn feed_each(values: &[Self], into: &mut Digester) {
-        for values in values.chunks(PIECE) {
-            let mut some = [[0.0; 3]; PIECE];
-            some.iter_mut().zip(values).for_each(|(some, value)| *some = value.to_array());
-            <[_; 3]>::feed_each(&some[..values.len()], into);
-        }
-    }
-}
-
-impl Content for Vec3 {
-    fn feed(&self, into: &mut Digester) {
-        self.to_array().feed(into);
-    }
-
-    fn feed_each(values: &[Self], into: &mut Digester) {
-        for values in values.chunks(PIECE) {
-            let mut some = [[0.0; 3]; PIECE];
-            some.iter_mut().zip(values).for_each(|(some, value)| *some = value.to_array());
-            <[_; 3]>::feed_each(&some[..values.len()], into);
-        }
-    }
-}
+vectors!(DVec2, DVec3, Vec3);
 
 impl Content for DMat3 {
     fn feed(&self, into: &mut Digester) {

@@ -189,7 +189,8 @@ impl DeformedMesh {
             Some(mesh) => mesh,
             None => {
                 let data = self.deformer.deformed(&pose.weights, &pose.joints);
-                let mesh = Arc::new(TriangleMesh::after(data, Some(&self.rest))?);
+                let last = self.kept().meshes.last().map(|(_, mesh)| Arc::clone(mesh));
+                let mesh = Arc::new(TriangleMesh::after(data, Some(last.as_ref().unwrap_or(&self.rest)))?);
                 self.keep(pose.digest, &mesh);
                 mesh
             }

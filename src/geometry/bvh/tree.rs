@@ -12,6 +12,9 @@ pub struct Tree {
     /// Children follow their parents.
     pub(super) nodes: Vec<Node>,
     pub(super) root: Child,
+    /// The [cost](Tree::cost) when the tree was built, and how often it was refitted since.
+    pub(super) built_cost: f64,
+    pub(super) refits: u32,
 }
 
 /// Eight boxes in the tree's space, rounded outwards, as structure of arrays.
@@ -50,6 +53,8 @@ impl Default for Tree {
             bounds: [DVec3::INFINITY, DVec3::NEG_INFINITY],
             nodes: Vec::new(),
             root: Child::NONE,
+            built_cost: 1.0,
+            refits: 0,
         }
     }
 }

@@ -35,25 +35,21 @@ impl TriangleMesh {
         if let Some(normals) = &mut data.normals {
             normals.change(unit);
         }
-        let moved = before.filter(|before| before.data.triangles == data.triangles);
-        let refitted = moved.and_then(|before| before.refitted(&data, bounds));
-        let digest = OnceLock::new();
+        let can_move =
+            |before: &&Self| before.tree.can_be_refitted() && before.data.triangles == data.triangles;
+        let moved = before.filter(can_move);
+        let (digest, refitted) = (OnceLock::new(), moved.and_then(|before| before.refitted(&data, bounds)));
         let build = || {
-            // Meshes that move have names of their own, so nobody asks for their digests.
-            rayon::join(
-                || BuiltTree::new(&data, bounds),
-                || before.is_none().then(|| digest.get_or_init(|| self::digest(&data))),
-            )
-            .0
+            let digest = || before.is_none().then(|| digest.get_or_init(|| self::digest(&data)));
+            rayon::join(|| tree(&data, bounds), digest).0
         };
-        let built = refitted.unwrap_or_else(build);
-        let BuiltTree { tree, packets, cost } = built;
+        // Most meshes that move have names of their own. Only others are hashed, while their tree is built.
+        let (tree, packets) = refitted.unwrap_or_else(build);
         let arrays = DataArrays::new(std::mem::take(&mut data.arrays));
         let exact = first(&data.positions, |position| !tree.space().is_exact(*position)).is_none();
         Ok(Self {
             tree,
             packets,
-            tree_cost: cost,
             exact,
             bounds,
             skipped,
@@ -68,32 +64,20 @@ impl TriangleMesh {
     }
 }
 
-/// The tree over the triangles of a mesh.
-struct BuiltTree {
-    tree: Tree,
-    /// The triangles of its leaves.
-    packets: Vec<Packet>,
-    /// The cost of the tree when it was built.
-    cost: f64,
-}
-
-impl BuiltTree {
-    /// Builds the tree over triangles within `bounds`.
-    fn new(data: &MeshData, bounds: Aabb) -> Self {
-        let (tree, leaves) = Tree::of_triangles(bounds, &data.positions, &data.triangles);
-        let packet = |leaf| {
-            fetch_leaves(&leaves, leaf, data);
-            Packet::new(tree.space(), leaves.leaf(leaf), data)
-        };
-        let packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(packet).collect();
-        let cost = tree.cost();
-        Self { tree, packets, cost }
-    }
+/// The tree over triangles within `bounds`, and the packets of its leaves.
+fn tree(data: &MeshData, bounds: Aabb) -> (Tree, Vec<Packet>) {
+    let (tree, leaves) = Tree::of_triangles(bounds, &data.positions, &data.triangles);
+    let packet = |leaf| {
+        fetch_leaves(&leaves, leaf, data);
+        Packet::new(tree.space(), leaves.leaf(leaf), data)
+    };
+    let packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(packet).collect();
+    (tree, packets)
 }
 
 impl TriangleMesh {
-    /// The tree with the same triangles elsewhere. None if it would be much worse than a new one.
-    fn refitted(&self, data: &MeshData, bounds: Aabb) -> Option<BuiltTree> {
+    /// The tree with the same triangles elsewhere, and its packets. None if a new one is likely to be better.
+    fn refitted(&self, data: &MeshData, bounds: Aabb) -> Option<(Tree, Vec<Packet>)> {
         let space = TreeSpace::around(bounds);
         let moved = |(index, before): (usize, &Packet)| {
             if let Some(soon) = self.packets.get(index + AHEAD as usize) {
@@ -107,8 +91,7 @@ impl TriangleMesh {
         };
         let (packets, boxes): (Vec<_>, Vec<_>) =
             self.packets.par_iter().enumerate().with_min_len(FEW / 8).map(moved).unzip();
-        let tree = self.tree.refitted(space, &boxes, self.tree_cost)?;
-        Some(BuiltTree { tree, packets, cost: self.tree_cost })
+        Some((self.tree.refitted(space, &boxes)?, packets))
     }
 }
 

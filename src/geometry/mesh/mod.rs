@@ -49,8 +49,6 @@ pub struct TriangleMesh {
     tree: Tree,
     /// The triangles of each of the tree's leaves.
     packets: Vec<Packet>,
-    /// The cost of the tree when it was built. A refitted tree may cost more.
-    tree_cost: f64,
     /// Whether the packets hold all positions exactly.
     exact: bool,
     bounds: Aabb,
@@ -182,7 +180,8 @@ impl TriangleMesh {
         }
     }
 
-    /// One normal per vertex of the smooth surface through the vertices. Computed at the first call.
+    /// One normal per vertex of the smooth surface through the vertices. Computed at the first call, by all threads: call it
+    /// before the mesh is traced.
     pub fn smooth_normals(&self) -> &[Vec3] {
         self.smooth.get_or_init(|| smooth::normals(&self.data.positions, &self.data.triangles))
     }

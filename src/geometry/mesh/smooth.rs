@@ -1,4 +1,4 @@
-//! Vertex normals of the surface that a mesh approximates.
+//! Vertex normals of the smooth surface that a mesh approximates.
 
 use super::corners::FEW;
 use crate::base::lanes::{Level, Real, Row, SimdKernel, Vec3 as LaneVec3, dispatch};

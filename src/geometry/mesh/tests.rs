@@ -54,7 +54,7 @@ fn trees_are_refitted_while_they_are_good() {
     };
     let far = moved(&mut |position| 1e6 + 3.0 * position);
     let after = TriangleMesh::after(far.clone(), Some(&rest)).expect("a mesh");
-    assert_eq!(after.tree_cost, rest.tree_cost);
+    assert_eq!(after.tree.refits(), 1);
     let leaves =
         |mesh: &TriangleMesh| mesh.packets.iter().map(|packet| packet.parts().to_vec()).collect::<Vec<_>>();
     assert_eq!(leaves(&after), leaves(&rest));
@@ -64,13 +64,25 @@ fn trees_are_refitted_while_they_are_good() {
     let mut random = Random(4);
     let shuffled = moved(&mut |_| random.point(1.0));
     let after = TriangleMesh::after(shuffled.clone(), Some(&rest)).expect("a mesh");
-    assert_eq!(after.tree_cost, TriangleMesh::new(shuffled).expect("a mesh").tree_cost);
-    assert_ne!(after.tree_cost, rest.tree_cost);
+    assert_eq!(after.tree.refits(), 0);
+    assert_eq!(leaves(&after), leaves(&TriangleMesh::new(shuffled).expect("a mesh")));
+
+    // What lies far away does not keep a tree of others for ever.
+    let mut last = rest;
+    let refits: Vec<u32> = (1..=20)
+        .map(|step| {
+            let mut data = moved(&mut |position| position + 1e-3 * random.point(1.0));
+            data.positions[0] *= 2.0 * f64::from(step);
+            last = TriangleMesh::after(data, Some(&last)).expect("a mesh");
+            last.tree.refits()
+        })
+        .collect();
+    assert!(refits.contains(&0) && refits.iter().any(|refits| *refits > 0), "{refits:?}");
 
     // Other triangles have another tree.
     let mut fewer = generate::displaced_sphere(4, 7);
     fewer.triangles.pop();
-    let after = TriangleMesh::after(fewer, Some(&rest)).expect("a mesh");
+    let after = TriangleMesh::after(fewer, Some(&last)).expect("a mesh");
     let mut parts = leaves(&after).concat();
     parts.sort_unstable();
     assert_eq!(parts, (0..after.triangles().len() as u32).collect::<Vec<_>>());

@@ -189,7 +189,7 @@ impl Shape {
     }
 
     /// Passes all hits of one ray within bounds to `take`. The ray keeps its origin and only the minimum of t grows, so
-    /// each hit is found once, however close hits are.
+    /// each hit is found, however close hits are. A triangle in several leaves of its tree may be passed for each of them.
     pub fn each_crossing<L: Level>(
         &self,
         ray: &TraversalRay,

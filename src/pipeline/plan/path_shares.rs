@@ -29,7 +29,8 @@ impl ShareTrials {
         Self { groups: 4, films: 8, samples }
     }
 
-    /// Limits for `count` films at most, but at least the two films of one group that can share paths.
+    /// Limits for about `count` films, but at least the two films of one group that can share paths. Where these cannot,
+    /// others of the group are tried.
     pub fn of_films(count: usize, samples: u64) -> Self {
         let all = Self::of_samples(samples);
         let films = count.clamp(2, all.films);

@@ -39,7 +39,9 @@ pub fn collapse(binary: &BinaryTree, space: TreeSpace) -> (Tree, LeafPrimitives)
     wide.contents.shrink_to_fit();
     let root = if wide.nodes.is_empty() { Child::leaf(0) } else { Child(0) };
     let bounds = binary.bounds.corners().map(|corner| DVec3::from_array(corner.map(f64::from)));
-    (Tree { space, bounds, nodes: wide.nodes, root }, wide.contents)
+    let mut tree = Tree { space, bounds, nodes: wide.nodes, root, built_cost: 0.0, refits: 0 };
+    tree.built_cost = tree.cost();
+    (tree, wide.contents)
 }
 
 /// Fewest boxes per node in most trees over triangles: used to reserve memory.

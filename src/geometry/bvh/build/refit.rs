@@ -30,13 +30,20 @@ impl LeafBox {
     }
 }
 
-/// A refitted tree is worth keeping up to this multiple of the cost of the built one.
+/// A refitted tree is kept up to this multiple of the cost of the built one, and for so many refits: a box that flies away
+/// makes the cost of all others small beside that of the root, and what lay in one place is sorted badly when it parts.
 const WORST_GROWTH: f64 = 1.25;
+const MOST_REFITS: u32 = 16;
 
 impl Tree {
-    /// The tree with other content of its leaves, which lies in `space`: one box for each leaf. None if it costs much more
-    /// than `built`, the [cost](Self::cost) of the tree when it was built.
-    pub fn refitted(&self, space: TreeSpace, leaves: &[LeafBox], built: f64) -> Option<Self> {
+    /// Whether the tree may be refitted once more.
+    pub fn can_be_refitted(&self) -> bool {
+        self.refits < MOST_REFITS
+    }
+
+    /// The tree with other content of its leaves, which lies in `space`: one box for each leaf. None if a new tree is
+    /// likely to be better.
+    pub fn refitted(&self, space: TreeSpace, leaves: &[LeafBox]) -> Option<Self> {
         let (mut nodes, mut area) = (self.nodes.clone(), 0.0);
         // Children follow their parents.
         for index in (0..nodes.len()).rev() {
@@ -58,9 +65,9 @@ impl Tree {
             (None, None) => EMPTY,
         };
         let bounds = all.map(|corner| DVec3::from_array(corner.map(f64::from)));
-        let tree = Self { space, bounds, nodes, root: self.root };
+        let tree = Self { space, bounds, nodes, refits: self.refits + 1, ..*self };
         // A comparison with NaN is false.
-        (tree.cost_of(area) <= WORST_GROWTH * built).then_some(tree)
+        (tree.cost_of(area) <= WORST_GROWTH * self.built_cost).then_some(tree)
     }
 
     /// The expected number of nodes and leaves that a ray visits if it hits the box around all (surface area
@@ -71,6 +78,12 @@ impl Tree {
             slots.map(|(slot, _)| half_area(node.box_of(slot))).sum::<f64>()
         };
         self.cost_of(self.nodes.iter().map(boxes).sum())
+    }
+
+    /// How often the tree was refitted since it was built.
+    #[cfg(test)]
+    pub fn refits(&self) -> u32 {
+        self.refits
     }
 
     /// The cost for a sum of the half areas of all boxes below the root.
@@ -89,8 +102,6 @@ pub struct Refitter {
     dirty: Vec<u64>,
     /// The sum of the half areas of all boxes below the root.
     area: f64,
-    /// [`Refitter::cost`] when the tree was built.
-    built: f64,
 }
 
 /// The place of a box: the index of a node, times 8, plus the number of the child.
@@ -121,7 +132,6 @@ impl Refitter {
             leaves: vec![BoxPlace::NONE; leaves],
             dirty: vec![0; tree.nodes.len().div_ceil(64)],
             area: 0.0,
-            built: 0.0,
         };
         for (index, node) in (0..).zip(&tree.nodes) {
             for (slot, child) in (0..).zip(node.children).filter(|(_, child)| *child != Child::NONE) {
@@ -133,7 +143,6 @@ impl Refitter {
                 refitter.area += half_area(node.box_of(slot as usize));
             }
         }
-        refitter.built = refitter.cost(tree);
         refitter
     }
 
@@ -177,7 +186,7 @@ impl Refitter {
 
     /// The cost of the tree for a ray, as a multiple of its cost when it was built (surface area heuristic).
     pub fn growth(&self, tree: &Tree) -> f64 {
-        self.cost(tree) / self.built
+        self.cost(tree) / tree.built_cost
     }
 
     /// [`Tree::cost`], without looking at every box.

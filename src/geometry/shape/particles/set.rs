@@ -29,8 +29,6 @@ pub struct ParticleSet {
     bounds: Aabb,
     digest: Digest,
     tree: Tree,
-    /// The cost of the tree when it was built. A refitted tree may cost more.
-    tree_cost: f64,
     /// The spheres of each of the tree's leaves.
     packets: Vec<SpherePacket>,
 }
@@ -45,24 +43,19 @@ impl ParticleSet {
         let around = || spheres.iter().filter_map(Geometric::bounds).fold(Aabb::EMPTY, Aabb::union);
         let (bounds, digest) = rayon::join(around, || Digest::of(&spheres));
         let (tree, packets) = (Tree::default(), Vec::new());
-        Self { tracks, spheres, origins, bounds, digest, tree, tree_cost: 0.0, packets }
+        Self { tracks, spheres, origins, bounds, digest, tree, packets }
     }
 
-    /// The same set with its tree. It is that of `before` where the spheres are now, if that is still good.
+    /// The same set with its tree: that of `before`, refitted, or a new one.
     pub fn with_tree(mut self, before: Option<&Self>) -> Self {
-        let as_many = |before: &&Self| before.has_tree() && before.spheres.len() == self.spheres.len();
-        let before = before.filter(as_many);
+        let can_move = |before: &&Self| {
+            before.has_tree() && before.tree.can_be_refitted() && before.spheres.len() == self.spheres.len()
+        };
+        let before = before.filter(can_move);
         if before.is_none_or(|before| self.refit(before).is_none()) {
             self.build();
         }
         self
-    }
-
-    /// Whether the tree was not built for these spheres.
-    #[cfg(test)]
-    pub(super) fn is_refitted_from(&self, before: &Self) -> bool {
-        let parts = |set: &Self| set.packets.iter().map(|packet| packet.parts().to_vec()).collect::<Vec<_>>();
-        self.tree_cost == before.tree_cost && parts(self) == parts(before)
     }
 
     fn build(&mut self) {
@@ -70,10 +63,10 @@ impl ParticleSet {
         let (tree, leaves) = Tree::of_packed_boxes(&boxes);
         let packet = |leaf| SpherePacket::new(&self.spheres, leaves.leaf(leaf));
         self.packets = (0..leaves.len() as u32).into_par_iter().with_min_len(FEW).map(packet).collect();
-        (self.tree_cost, self.tree) = (tree.cost(), tree);
+        self.tree = tree;
     }
 
-    /// Takes the tree of other spheres, as many. None if it would be much worse than a new one.
+    /// Takes the tree of other spheres, as many. None if a new one is likely to be better.
     fn refit(&mut self, before: &Self) -> Option<()> {
         let space = TreeSpace::around(self.bounds);
         let moved = |before: &SpherePacket| {
@@ -84,8 +77,7 @@ impl ParticleSet {
         };
         let (packets, boxes): (Vec<_>, Vec<_>) =
             before.packets.par_iter().with_min_len(FEW).map(moved).unzip();
-        self.tree = before.tree.refitted(space, &boxes, before.tree_cost)?;
-        (self.tree_cost, self.packets) = (before.tree_cost, packets);
+        (self.tree, self.packets) = (before.tree.refitted(space, &boxes)?, packets);
         Some(())
     }
 

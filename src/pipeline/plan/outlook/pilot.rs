@@ -68,7 +68,8 @@ pub fn run_pilot(
         same_power(&mut pilots);
         Outlook { pilots, random: random.clone(), shares: shares.to_vec(), spent }
     };
-    let unshared = vec![1.0; plan.films.len()];
+    // What shared views save is known without tracing.
+    let known = path_shares(sequence, plan, ShareTrials::of_samples(0)).films;
     let expected = |pilots: &[PilotFilm], shares: &[f64], spent| {
         outlook(pilots.to_vec(), shares, spent).forecast(&sequence.quality).wall.mid
     };
@@ -79,12 +80,12 @@ pub fn run_pilot(
         kinds.iter().map(|kind| kind.split_at(kind.len().min(1))).unzip();
     pilots.extend(firsts.concat().into_iter().filter_map(|place| run.film(place, few)));
     for place in others.concat() {
-        if run.spent.wall > 0.5 * limit.share * expected(&pilots, &unshared, run.spent) {
+        if run.spent.wall > 0.5 * limit.share * expected(&pilots, &known, run.spent) {
             break;
         }
         pilots.extend(run.film(place, few));
     }
-    let trials = affordable(&pilots, 0.5 * limit.share * expected(&pilots, &unshared, run.spent));
+    let trials = affordable(&pilots, 0.5 * limit.share * expected(&pilots, &known, run.spent));
     let (shares, took) = timed(|| path_shares(sequence, plan, trials).films);
     run.spent = run.spent + clock.elapsed(took, 0);
     let expected = expected(&pilots, &shares, run.spent);
