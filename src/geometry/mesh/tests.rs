@@ -69,7 +69,7 @@ fn trees_are_refitted_while_they_are_good() {
 
     // What lies far away does not keep a tree of others for ever.
     let mut last = rest;
-    let refits: Vec<u32> = (1..=20)
+    let refits: Vec<u32> = (1..=40)
         .map(|step| {
             let mut data = moved(&mut |position| position + 1e-3 * random.point(1.0));
             data.positions[0] *= 2.0 * f64::from(step);

@@ -1,6 +1,7 @@
 //! The meshes of a series that are in memory.
 
 use super::StepError;
+use super::ahead::Ahead;
 use crate::base::digest::Digest;
 use crate::geometry::mesh::{MeshData, TriangleMesh};
 use std::sync::Arc;
@@ -13,6 +14,7 @@ const MESHES: usize = 2;
 pub struct Cache {
     meshes: Vec<(Option<Digest>, Arc<TriangleMesh>)>,
     data: Vec<(usize, Arc<MeshData>)>,
+    ahead: Ahead,
 }
 
 impl Cache {
@@ -43,18 +45,23 @@ impl Cache {
         self.meshes.last().map(|(_, mesh)| &**mesh)
     }
 
+    /// What is read ahead.
+    pub fn ahead(&mut self) -> &mut Ahead {
+        &mut self.ahead
+    }
+
     /// The data of a step, which `load` reads if it is not there. Only the data of the steps `wanted` stays.
     pub fn data(
         &mut self,
         step: usize,
         wanted: [usize; 2],
-        load: impl FnOnce() -> Result<MeshData, StepError>,
+        load: impl FnOnce(&mut Ahead) -> Result<MeshData, StepError>,
     ) -> Result<Arc<MeshData>, StepError> {
         self.data.retain(|(known, _)| wanted.contains(known));
         if let Some((_, data)) = self.data.iter().find(|(known, _)| *known == step) {
             return Ok(Arc::clone(data));
         }
-        let data = Arc::new(load()?);
+        let data = Arc::new(load(&mut self.ahead)?);
         self.data.push((step, Arc::clone(&data)));
         Ok(data)
     }

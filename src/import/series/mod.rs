@@ -1,6 +1,7 @@
-//! Series of meshes: one file per time. All files are checked once. Each is loaded again when its time comes, so that
-//! memory holds a few of them, however many there are.
+//! Series of meshes: one file per time. All files are checked once. Each is loaded again when its time comes, or just
+//! before, so that memory holds a few of them, however many there are.
 
+mod ahead;
 mod cache;
 mod numbered;
 mod pvd;
@@ -18,6 +19,7 @@ use crate::base::time::{Fraction, Time};
 use crate::geometry::mesh::{MeshData, MeshError, MeshSummary, Normals, Preparation, TriangleMesh};
 use crate::geometry::shape::{Mesh, MeshStep};
 use crate::track::{Animate, Animated, Modes};
+use ahead::Ahead;
 use cache::Cache;
 use rayon::prelude::*;
 use std::fmt;
@@ -63,14 +65,20 @@ pub struct SeriesFiles {
     pub normals: Option<Normals>,
 }
 
-/// A series of checked mesh files.
+/// Files and what was found in them.
 #[derive(Debug)]
-pub struct MeshSeries {
+struct CheckedFiles {
     files: SeriesFiles,
     root: Root,
     steps: Vec<MeshSummary>,
     /// The point of the first file that moves to the origin, in all files.
     center: Option<DVec3>,
+}
+
+/// A series of checked mesh files.
+#[derive(Debug)]
+pub struct MeshSeries {
+    checked: Arc<CheckedFiles>,
     /// The first step whose file has other materials than the first file.
     other_materials: Option<usize>,
     first: Arc<TriangleMesh>,
@@ -126,7 +134,8 @@ impl MeshSeries {
         let other_materials = checked.iter().position(|step| step.as_ref().is_ok_and(|(_, same)| !same));
         let steps = checked.into_iter().filter_map(Result::ok).map(|(step, _)| step).collect();
         let (first, cache) = (Arc::new(first), Mutex::default());
-        Ok(Self { files, root, steps, center, other_materials, first, cache })
+        let checked = Arc::new(CheckedFiles { files, root, steps, center });
+        Ok(Self { checked, other_materials, first, cache })
     }
 
     /// The mesh of the first file.
@@ -136,12 +145,12 @@ impl MeshSeries {
 
     /// The first file of each step, in the order of time.
     pub fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        self.files.steps.iter().filter_map(|files| files.first())
+        self.checked.files.steps.iter().filter_map(|files| files.first())
     }
 
     /// What is known of each file's mesh.
     pub fn steps(&self) -> &[MeshSummary] {
-        &self.steps
+        &self.checked.steps
     }
 
     /// The first file with other materials than the first file of all.
@@ -151,30 +160,31 @@ impl MeshSeries {
 
     /// Whether the files, times and settings are these.
     pub fn is_of(&self, files: &SeriesFiles) -> bool {
-        self.files == *files
+        self.checked.files == *files
     }
 
     /// Whether different times may have different meshes.
     pub fn is_keyed(&self) -> bool {
-        self.files.track.is_keyed()
+        self.checked.files.track.is_keyed()
     }
 
     /// A box around all meshes.
     pub fn bounds(&self) -> Aabb {
-        self.steps.iter().fold(Aabb::EMPTY, |all, step| all.union(step.bounds))
+        self.checked.steps.iter().fold(Aabb::EMPTY, |all, step| all.union(step.bounds))
     }
 
     /// The steps at a time. Steps with other triangles are held instead of blended.
     pub fn at(&self, time: Time) -> StepMix {
-        let mix = self.files.track.at(time);
-        let blends = mix.share.num != 0.0 && self.steps[mix.from].topology == self.steps[mix.to].topology;
+        let mix = self.checked.files.track.at(time);
+        let blends = mix.share.num != 0.0
+            && self.checked.steps[mix.from].topology == self.checked.steps[mix.to].topology;
         if blends { mix } else { StepMix::only(mix.from) }
     }
 
     /// The shape at a time without its mesh: the first file's mesh takes its place.
     pub fn named(&self, time: Time) -> Mesh {
         let mix = self.at(time);
-        let has_normals = self.steps[mix.from].has_normals && self.steps[mix.to].has_normals;
+        let has_normals = self.checked.steps[mix.from].has_normals && self.checked.steps[mix.to].has_normals;
         Mesh { normals: self.normals(has_normals), step: Some(self.step(mix)), mesh: Arc::clone(&self.first) }
     }
 
@@ -192,25 +202,22 @@ impl MeshSeries {
     }
 
     fn load(&self, mix: StepMix, cache: &mut Cache) -> Result<TriangleMesh, StepError> {
-        let read = Reader { files: &self.files, root: &self.root };
+        let read = self.checked.reader();
         if mix.from == mix.to {
-            let data = self.unchanged(mix.from)?;
+            let data = self.data(mix.from, cache.ahead())?;
             return read.mesh(mix.from, data, Some(cache.last().unwrap_or(&self.first)));
         }
-        let from = cache.data(mix.from, [mix.from, mix.to], || self.unchanged(mix.from))?;
-        let to = cache.data(mix.to, [mix.from, mix.to], || self.unchanged(mix.to))?;
+        let from = cache.data(mix.from, [mix.from, mix.to], |ahead| self.data(mix.from, ahead))?;
+        let to = cache.data(mix.to, [mix.from, mix.to], |ahead| self.data(mix.to, ahead))?;
         let data = crate::geometry::mesh::blended(&from, &to, mix.share);
         read.mesh(mix.from, data, Some(cache.last().unwrap_or(&self.first)))
     }
 
-    /// A step's data, which must be what was checked.
-    fn unchanged(&self, step: usize) -> Result<MeshData, StepError> {
-        let read = Reader { files: &self.files, root: &self.root };
-        let (data, _) = read.placed(step, self.center)?;
-        if data.content() != self.steps[step].content {
-            return Err(read.error(step, "it has changed since it was checked"));
-        }
-        Ok(data)
+    /// A step's data.
+    fn data(&self, step: usize, ahead: &mut Ahead) -> Result<MeshData, StepError> {
+        let checked = Arc::clone(&self.checked);
+        let found = ahead.take(step, self.checked.steps.len(), move |step| checked.unchanged(step).ok());
+        found.map_or_else(|| self.checked.unchanged(step), Ok)
     }
 
     fn cache(&self) -> std::sync::MutexGuard<'_, Cache> {
@@ -219,17 +226,17 @@ impl MeshSeries {
 
     /// The normals of a mesh that has some of its own, or none.
     fn normals(&self, has_normals: bool) -> Normals {
-        let own = if has_normals || self.files.preparation.crease.is_some() {
+        let own = if has_normals || self.checked.files.preparation.crease.is_some() {
             Normals::File
         } else {
             Normals::Flat
         };
-        self.files.normals.unwrap_or(own)
+        self.checked.files.normals.unwrap_or(own)
     }
 
     fn step(&self, mix: StepMix) -> MeshStep {
-        let (a, b) = (&self.steps[mix.from], &self.steps[mix.to]);
-        let crease = self.files.preparation.crease.map(|angle| angle.0);
+        let (a, b) = (&self.checked.steps[mix.from], &self.checked.steps[mix.to]);
+        let crease = self.checked.files.preparation.crease.map(|angle| angle.0);
         if mix.from == mix.to {
             return MeshStep { digest: Digest::of(&(crease, a.content)), bounds: a.bounds };
         }
@@ -241,6 +248,22 @@ impl MeshSeries {
         let reach = |bounds: &Aabb| bounds.min.abs().max(bounds.max.abs());
         let rounding = (reach(&a.bounds) + reach(&b.bounds)) * gamma(8);
         MeshStep { digest, bounds: Aabb { min, max }.padded(rounding) }
+    }
+}
+
+impl CheckedFiles {
+    fn reader(&self) -> Reader<'_> {
+        Reader { files: &self.files, root: &self.root }
+    }
+
+    /// A step's data, which must be what was checked.
+    fn unchanged(&self, step: usize) -> Result<MeshData, StepError> {
+        let read = self.reader();
+        let (data, _) = read.placed(step, self.center)?;
+        if data.content() != self.steps[step].content {
+            return Err(read.error(step, "it has changed since it was checked"));
+        }
+        Ok(data)
     }
 }
 

@@ -33,7 +33,7 @@ impl LeafBox {
 /// A refitted tree is kept up to this multiple of the cost of the built one, and for so many refits: a box that flies away
 /// makes the cost of all others small beside that of the root, and what lay in one place is sorted badly when it parts.
 const WORST_GROWTH: f64 = 1.25;
-const MOST_REFITS: u32 = 16;
+const MOST_REFITS: u32 = 32;
 
 impl Tree {
     /// Whether the tree may be refitted once more.
