@@ -20,6 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sun = Light {
         source: Source::Directional { to_light: DVec3::Y },
         radiance: Rgb::ONE,
+        shadows: true,
         layer: LayerId::CONSTANT,
     };
     let shading = Shading { materials: vec![material], lights: vec![sun], ..Shading::default() };

@@ -29,6 +29,7 @@ pub fn sequence() -> Sequence {
         color: Constant(Rgb::ONE),
         intensity: Constant(1.0),
         on: true.into(),
+        shadows: true,
     };
     Sequence {
         name: "nothing".into(),

@@ -20,11 +20,11 @@ pub fn light(node: Node<'_>) -> Option<LightTracks> {
         node,
         "kind of light",
         &[
-            ("Point", |node| lit(node, "`Point`", point)),
-            ("Spot", |node| lit(node, "`Spot`", spot)),
-            ("Directional", |node| lit(node, "`Directional`", directional)),
-            ("Sphere", |node| lit(node, "`Sphere`", sphere)),
-            ("Rectangle", |node| lit(node, "`Rectangle`", rectangle)),
+            ("Point", |node| punctual(node, "`Point`", point)),
+            ("Spot", |node| punctual(node, "`Spot`", spot)),
+            ("Directional", |node| punctual(node, "`Directional`", directional)),
+            ("Sphere", |node| area(node, "`Sphere`", sphere)),
+            ("Rectangle", |node| area(node, "`Rectangle`", rectangle)),
             // Repeated lights have been expanded, so this one is in a named value.
             (REPEAT, |node| {
                 report_misplaced(node, node.head(), REPEAT);
@@ -34,19 +34,30 @@ pub fn light(node: Node<'_>) -> Option<LightTracks> {
     )
 }
 
-/// Decodes the fields of all lights, and those of this `kind`.
-fn lit<'s>(
-    node: Node<'s>,
-    what: &'static str,
-    kind: fn(&mut Fields<'s>) -> Option<LightKind>,
-) -> Option<LightTracks> {
+/// Decodes the fields of one kind of light.
+type DecodeKind<'s> = fn(&mut Fields<'s>) -> Option<LightKind>;
+
+fn punctual<'s>(node: Node<'s>, what: &'static str, kind: DecodeKind<'s>) -> Option<LightTracks> {
     let mut fields = Fields::of(node, what)?;
     let kind = kind(&mut fields);
+    let shadows = fields.or("shadows", switch, true);
+    let light = lit(fields, kind)?;
+    Some(LightTracks { shadows: shadows?, ..light })
+}
+
+fn area<'s>(node: Node<'s>, what: &'static str, kind: DecodeKind<'s>) -> Option<LightTracks> {
+    let mut fields = Fields::of(node, what)?;
+    let kind = kind(&mut fields);
+    lit(fields, kind)
+}
+
+/// Decodes the fields of all lights.
+fn lit(mut fields: Fields<'_>, kind: Option<LightKind>) -> Option<LightTracks> {
     let color = fields.or("color", keyed(color), Rgb::ONE);
     let intensity = fields.or("intensity", keyed(not_negative), 1.0);
     let on = fields.or("on", keyed(switch), true);
     fields.finish();
-    Some(LightTracks { kind: kind?, color: color?, intensity: intensity?, on: on?.into() })
+    Some(LightTracks { kind: kind?, color: color?, intensity: intensity?, on: on?.into(), shadows: true })
 }
 
 fn point(fields: &mut Fields<'_>) -> Option<LightKind> {

@@ -127,14 +127,19 @@ impl<F: Real> PathShader<'_, F> {
         let radiance = path.throughput.at_surface() * light.radiance;
         let (whole, mis_complement) =
             (radiance * (scattered + reflected.highlight), radiance * scattered * rest);
+        let own = whole - mis_complement;
+        let lit = self.at.add_unblocked(wave, request, (&light, own), light.is_lit & whole.is_lit());
+        if !lit.any() {
+            return;
+        }
         let item = ShadowItem {
             ray: light.shadow_ray(&surface.surface),
-            light: if wave.context.has_transparency() { whole } else { whole - mis_complement },
+            light: if wave.context.has_transparency() { whole } else { own },
             mis_complement,
             medium: path.medium,
             slot: path.slot,
         };
-        wave.shadows[light_index].push(light.is_lit & whole.is_lit(), &item);
+        wave.shadows[light_index].push(lit, &item);
     }
 
     /// Continues paths by one lobe.

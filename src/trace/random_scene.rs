@@ -140,7 +140,8 @@ fn light(random: &mut Random) -> Light {
         2 => Source::Spot { position, cone, attenuation },
         _ => Source::Directional { to_light: position.normalize_or(DVec3::Y) },
     };
-    Light { source, radiance: color(random), layer: layer(random) }
+    // Most cast shadows.
+    Light { source, radiance: color(random), shadows: position.x < 3.0, layer: layer(random) }
 }
 
 /// A random scene. Some are far from the origin, others are seen from afar.

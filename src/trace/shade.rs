@@ -218,6 +218,22 @@ impl<F: Real> ShadingContext<F> {
         light
     }
 
+    /// Adds the light of lights that cast no shadows, in the lanes of a mask. Returns the other lanes.
+    #[inline(always)]
+    pub fn add_unblocked(
+        &self,
+        wave: &mut WaveState,
+        request: &LightRequest,
+        (sample, light): (&LightSample<F>, Color<F::F32>),
+        lit: F::Mask,
+    ) -> F::Mask {
+        if !request.passes {
+            return lit;
+        }
+        wave.sums.add::<F>(request.layer, light, lit & !sample.casts_shadows, self.path.slot);
+        lit & sample.casts_shadows
+    }
+
     /// The shares of light that the surfaces reflect. Fog on the way to them dims only the share of glossy lobes.
     #[inline(always)]
     pub fn scattered(

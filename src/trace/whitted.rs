@@ -116,6 +116,10 @@ impl<F: Real> WhittedShader<'_, F> {
         let reflected = bsdf.reflected(light.direction);
         let scattered = self.at.scattered(wave, &light, &reflected);
         let whole = path.throughput.at_surface() * (scattered + reflected.highlight) * light.radiance;
+        let lit = self.at.add_unblocked(wave, request, (&light, whole), light.is_lit & whole.is_lit());
+        if !lit.any() {
+            return;
+        }
         let item = ShadowItem {
             ray: light.shadow_ray(&surface.surface),
             light: whole,
@@ -123,7 +127,7 @@ impl<F: Real> WhittedShader<'_, F> {
             medium: path.medium,
             slot: path.slot,
         };
-        wave.shadows[light_index].push(light.is_lit & whole.is_lit(), &item);
+        wave.shadows[light_index].push(lit, &item);
     }
 
     /// The reflection of a metallic-roughness surface, or of a coat, at one of its microfacets.

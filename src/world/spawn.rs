@@ -82,7 +82,8 @@ fn spawn_lights(world: &mut World, layers: &LightLayers, sequence: &Sequence) {
     for ((order, light), &layer) in (0..).zip(&sequence.lights).zip(&layers.lights) {
         let (tracks, dimmer) = (&light.value, light.value.group_weight());
         let source = tracks.kind.at(start);
-        let light = Light { source, radiance: tracks.constant_radiance(), layer };
+        let (radiance, shadows) = (tracks.constant_radiance(), tracks.shadows);
+        let light = Light { source, radiance, shadows, layer };
         let mut entity = world.spawn((FileOrder(order), light));
         if tracks.kind.is_keyed() {
             entity.insert(tracks.clone());

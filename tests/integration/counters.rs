@@ -118,6 +118,7 @@ fn a_lights_rays_stop_while_it_is_off() {
     assert_eq!(shadow(&format!("{LAMP}, intensity: [(0, 0, Step), (2, 1), (4, 0)]")), [0, 0, lit, lit, 0]);
     assert_eq!(shadow(&format!("{LAMP}, color: [(0, 0, Step), (2, (0, 0, 1))]")), [0, 0, lit, lit, lit]);
     assert_eq!(shadow(&format!("{LAMP}, on: false")), [0; 5]);
+    assert_eq!(shadow(&format!("{LAMP}, shadows: false")), [0; 5]);
 }
 
 /// The unit ball alone, seen from +z by an orthographic camera. Returns the samples that hit it, and those that hit

@@ -33,6 +33,52 @@ fn objects_without_shadows_leave_the_light() {
     assert_eq!(floor(", casts_shadow: true, seen_by: (camera: false, reflections: false)"), Rgb::ZERO);
 }
 
+/// The light of lights without shadows reaches a floor below a ball as if there were no ball, with both integrators, and
+/// alone or among more lights than a surface samples at once.
+#[test]
+fn lights_without_shadows_pass_objects() {
+    let lights = |count: usize, fields: &str| -> String {
+        let kinds = [
+            "Point(position: (0, 9, 0)",
+            "Spot(position: (0, 9, 0), angle: 90",
+            "Directional(direction: (0, -1, 0)",
+        ];
+        (0..count)
+            .map(|i| format!("\"{i}\": {}, intensity: {}{fields}),", kinds[i % 3], 1.0 / count as f64))
+            .collect()
+    };
+    let film = |quality: &str, lights: &str, ball: &str| {
+        shoot_film(&format!(
+            "(output: (size: (8, 8)), quality: ({quality}), background: 0, ambient: 0,
+            camera: (position: (0, 1, 9), target: (0, 0, 0), projection: Perspective(fov: 4)), lights: {{ {lights} }},
+            materials: {{ \"matt\": (color: 1, diffuse: 1, ambient: 0) }},
+            objects: {{ \"floor\": (shape: Plane(), material: \"matt\"), {ball} }})"
+        ))
+        .radiance()
+        .collect::<Vec<_>>()
+    };
+    let ball = "\"ball\": (shape: Sphere(center: (0, 4, 0), radius: 3), material: \"matt\", seen_by: (reflections: false))";
+    for quality in ["antialias: 2", "integrator: Path, samples: 16, bounces: 1"] {
+        for count in [1, 2, 3, 24] {
+            let unblocked = film(quality, &lights(count, ", shadows: false"), "");
+            assert!(unblocked.iter().all(|radiance| radiance.x > 0.0));
+            assert_eq!(
+                film(quality, &lights(count, ", shadows: false"), ball),
+                unblocked,
+                "{quality}, {count}"
+            );
+            assert!(
+                film(quality, &lights(count, ""), ball).iter().all(|dark| *dark == Rgb::ZERO),
+                "{quality}, {count}"
+            );
+        }
+    }
+    // Of two lights, one passes.
+    let (key, fill) =
+        ("\"key\": Point(position: (0, 9, 0)),", "\"fill\": Point(position: (0, 9, 1), shadows: false),");
+    assert_eq!(film("", &format!("{key}{fill}"), ball), film("", fill, ""));
+}
+
 /// A red wall in front of a mirror that faces the camera; the camera looks past its edge, or at it.
 fn room(target: &str, fields: &str) -> Rgb {
     radiance_at_target(&format!(

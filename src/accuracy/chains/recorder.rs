@@ -156,7 +156,7 @@ impl<'a> PathRecorder<'a> {
         }
         let start = spawn_ray(&hit.surface, way);
         let probe = TraversalRay::new(Ray { direction: point.point - start.origin, ..start });
-        if self.rays.blocked(&probe) {
+        if self.rays.scene.shading.lights[light as usize].shadows && self.rays.blocked(&probe) {
             return;
         }
         let light_of = self.strength(light) * point.per_area * lights.len() as f64;

@@ -136,10 +136,11 @@ impl<'a> SceneRays<'a> {
         corners.iter().flat_map(|vertex| &around[*vertex as usize]).map(|part| (primitive, *part)).collect()
     }
 
-    /// A point that may light a surface on its visible side: on a random light or, if there are none, in a random
-    /// direction.
+    /// A point that may light a surface on its visible side: on a random light that casts shadows or, if there are none,
+    /// in a random direction.
     pub fn light_for(&self, surface: &Surface, seen_from: DVec3, pixel: u32) -> Option<DVec3> {
-        let lights: Vec<&Source> = self.scene.lights().map(|(_, light)| &light.source).collect();
+        let lights = self.scene.lights().filter(|(_, light)| light.shadows);
+        let lights: Vec<&Source> = lights.map(|(_, light)| &light.source).collect();
         let facing = surface.normal.dot(seen_from - surface.point) >= 0.0;
         let normal = if facing { surface.normal } else { -surface.normal };
         let place = match lights.get(((u64::from(hash([pixel, 1, 5])) * lights.len() as u64) >> 32) as usize)

@@ -7,7 +7,7 @@ pub use attenuation::Attenuation;
 pub use tracks::{LightKind, LightTracks};
 
 use crate::base::color::Rgb;
-use crate::base::digest::Content;
+use crate::base::digest::{Content, Digester};
 use crate::base::lanes::Real;
 use crate::base::math::DVec3;
 use crate::film::LayerId;
@@ -15,7 +15,7 @@ use crate::geometry::shape::{Rectangle, Sphere};
 use bevy_ecs::component::Component;
 
 /// A light at one moment, without its keyed weight. Switching and fading a light change only the weight of its layer.
-#[derive(Clone, Copy, Component, Debug, PartialEq, Content)]
+#[derive(Clone, Copy, Component, Debug, PartialEq)]
 #[warn(missing_docs)]
 pub struct Light {
     /// Where the light comes from.
@@ -23,8 +23,24 @@ pub struct Light {
     /// The product of the constant factors of colour and intensity. A point, spot or directional light of radiance 1
     /// gives radiance 1 on a facing surface of diffuse 1. An area light has this radiance, seen from any distance.
     pub radiance: Rgb,
+    /// Whether objects block its light. They always do for area lights.
+    pub shadows: bool,
     /// The film layer of its light. Lights with equal keyed weights share a layer.
     pub layer: LayerId,
+}
+
+/// A light that casts shadows feeds what it did before there were others.
+impl Content for Light {
+    fn feed(&self, into: &mut Digester) {
+        let Self { source, radiance, shadows, layer } = self;
+        if !shadows {
+            // No source has this name.
+            "without shadows".feed(into);
+        }
+        source.feed(into);
+        radiance.feed(into);
+        layer.feed(into);
+    }
 }
 
 /// The shape and position of a light.

@@ -22,6 +22,8 @@ pub struct LightTracks {
     pub intensity: Animated<f64>,
     /// The keys that switch it.
     pub on: Switch,
+    /// Whether objects block its light. They always do for area lights.
+    pub shadows: bool,
 }
 
 /// A [`Source`] over time.

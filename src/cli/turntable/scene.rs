@@ -54,7 +54,8 @@ impl Scene<'_> {
         self.parts.iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds))
     }
 
-    /// Three lights: the key from the left in front, a weak fill from the right, and a rim light from behind.
+    /// Three lights: the key from the left in front, a weak fill from the right, and a rim light from behind. The key
+    /// alone casts shadows, as one lamp of a studio does beside soft ones.
     fn lights(&self) -> String {
         let size = self.bounds().max - self.bounds().min;
         // The parts turn within a circle around the axis.
@@ -65,8 +66,8 @@ impl Scene<'_> {
         let key = point(-3.2, 4.6, 4.2);
         format!(
             r##"        "key": Spot(position: {key}, target: {target}, angle: 56, inner_angle: 6, color: "#fff4e6"),
-        "fill": Directional(direction: (-1, -0.7, -0.6), intensity: 0.2, color: "#dfe9ff"),
-        "rim": Directional(direction: (0.5, -0.9, 1), intensity: 0.2),
+        "fill": Directional(direction: (-1, -0.7, -0.6), intensity: 0.2, color: "#dfe9ff", shadows: false),
+        "rim": Directional(direction: (0.5, -0.9, 1), intensity: 0.2, shadows: false),
 "##
         )
     }

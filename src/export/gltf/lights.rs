@@ -86,6 +86,9 @@ impl Exporter<'_> {
         // Readers ask for colours in 0..=1. Brighter ones go into the intensity, unless keys change them.
         let color = light.color.at(start).max(Rgb::ZERO).as_dvec3();
         given["color"] = json!(color.to_array());
+        if !light.shadows {
+            self.left_out.note_of("`shadows: false`", "light");
+        }
         let index = self.document.push_light(given);
         for (keys, property) in [(levels, "intensity"), (colors, "color")] {
             if let Some(keys) = keys {

@@ -61,5 +61,11 @@ pub fn light(given: &GltfLight, unit: LightUnit) -> LightTracks {
             LightKind::Spot { position, target, angle, inner_angle, attenuation }
         }
     };
-    LightTracks { kind, color: given.color.as_vec3().into(), intensity: intensity.into(), on: true.into() }
+    LightTracks {
+        kind,
+        color: given.color.as_vec3().into(),
+        intensity: intensity.into(),
+        on: true.into(),
+        shadows: true,
+    }
 }

@@ -9,7 +9,7 @@ use crate::base::lanes::{Color, Mask, Real, Select, Vec3};
 #[inline(always)]
 pub fn sample_light<F: Real>(light: &Light, at: &Receiver<F>, [u, v]: [F; 2]) -> LightSample<F> {
     let radiance = Color::splat(light.radiance);
-    match &light.source {
+    let sample = match &light.source {
         Source::Point { position, attenuation } => {
             punctual::point(*position, attenuation, at.point, radiance)
         }
@@ -23,7 +23,8 @@ pub fn sample_light<F: Real>(light: &Light, at: &Receiver<F>, [u, v]: [F; 2]) ->
         Source::Rectangle { rectangle, one_sided } => {
             area::rectangle(rectangle, *one_sided, at, [u, v], radiance)
         }
-    }
+    };
+    LightSample { casts_shadows: F::Mask::splat(light.shadows), ..sample }
 }
 
 /// The radiance of a light that is part of the geometry, where paths hit it. `outside` are the lanes on the side of its

@@ -44,6 +44,8 @@ pub struct LightSample<F: Real> {
     /// The end of the shadow ray; arbitrary for distant light.
     pub end: Vec3<F>,
     pub is_distant: F::Mask,
+    /// Lanes whose light objects may block.
+    pub casts_shadows: F::Mask,
     /// Lanes that receive light.
     pub is_lit: F::Mask,
 }
@@ -65,6 +67,7 @@ impl<F: Real> LightSample<F> {
             pdf: F::splat(0.0),
             end: Vec3::zero(),
             is_distant: no,
+            casts_shadows: F::Mask::splat(true),
             is_lit: no,
         }
     }
@@ -140,6 +143,7 @@ impl<F: Real> Select<F::Mask> for LightSample<F> {
             pdf: F::select(mask, yes.pdf, no.pdf),
             end: Vec3::select(mask, yes.end, no.end),
             is_distant: (mask & yes.is_distant) | (!mask & no.is_distant),
+            casts_shadows: (mask & yes.casts_shadows) | (!mask & no.casts_shadows),
             is_lit: (mask & yes.is_lit) | (!mask & no.is_lit),
         }
     }

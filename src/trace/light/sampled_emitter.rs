@@ -29,6 +29,14 @@ impl SampledEmitter<'_> {
         }
     }
 
+    /// Whether objects block its light.
+    pub(super) fn casts_shadows(&self) -> bool {
+        match self {
+            Self::Light(_, light) => light.shadows,
+            Self::Object(..) | Self::Sky(_) => true,
+        }
+    }
+
     /// The approximate power, used only to choose among many sources.
     pub(super) fn power(&self, scene: &Scene) -> f64 {
         let brightness = |color: Rgb| f64::from(color.element_sum());

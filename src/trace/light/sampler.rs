@@ -35,6 +35,8 @@ pub struct LightRequest {
     member: Option<usize>,
     /// Whether the sample is random: the source has several directions, or is chosen among several.
     pub is_sampled: bool,
+    /// Whether the light of some source arrives whatever stands in between.
+    pub passes: bool,
 }
 
 impl LightRequest {
@@ -84,16 +86,19 @@ impl<'a> LightSampler<'a> {
                 group: index,
                 member,
                 is_sampled,
+                passes: false,
             };
             if choice && group.members.len() > MAX_SAMPLED {
                 let powers = group.members.iter().map(|member| member.power(scene));
-                self.requests.push(request(None, MAX_SAMPLED as u32, true));
+                let passes = !group.members.iter().all(SampledEmitter::casts_shadows);
+                self.requests.push(LightRequest { passes, ..request(None, MAX_SAMPLED as u32, true) });
                 group.distribution = Some(DiscreteDistribution::of(powers));
             } else {
-                let members = group.members.iter().enumerate();
-                self.requests.extend(
-                    members.map(|(member, source)| request(Some(member), member as u32, source.is_sampled())),
-                );
+                for (member, source) in group.members.iter().enumerate() {
+                    let passes = !source.casts_shadows();
+                    let request = request(Some(member), member as u32, source.is_sampled());
+                    self.requests.push(LightRequest { passes, ..request });
+                }
             }
             for (index, member) in group.members.iter().enumerate() {
                 let chance =

@@ -61,7 +61,8 @@ impl RandomScene {
         for (source, shape) in lights.into_iter().filter(|_| random.unit() < 0.6) {
             let number = self.shading.lights.len() as u32;
             let radiance = color(&mut Random(u64::from(number)));
-            self.shading.lights.push(Light { source, radiance, layer: self.shading.ambient.layer });
+            let layer = self.shading.ambient.layer;
+            self.shading.lights.push(Light { source, radiance, shadows: true, layer });
             self.geometry.push(&shape, DAffine3::IDENTITY, Finish::Light(number));
         }
     }
