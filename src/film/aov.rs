@@ -51,7 +51,7 @@ impl AovSet {
 
     /// The first layer of the guides, which are the last layers, after `lights` layers of light.
     pub fn guides_layer(self, lights: usize) -> Option<LayerId> {
-        self.guides.then_some(LayerId((lights + self.layers() - GUIDES) as u32))
+        self.guides.then(|| LayerId((lights + self.layers() - GUIDES) as u32))
     }
 }
 

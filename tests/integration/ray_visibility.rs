@@ -50,7 +50,7 @@ fn lights_without_shadows_pass_objects() {
     let film = |quality: &str, lights: &str, ball: &str| {
         shoot_film(&format!(
             "(output: (size: (8, 8)), quality: ({quality}), background: 0, ambient: 0,
-            camera: (position: (0, 1, 9), target: (0, 0, 0), projection: Perspective(fov: 4)), lights: {{ {lights} }},
+            camera: (position: (0, 1, 9), target: (0, 0, 0), projection: Perspective(fov: 1)), lights: {{ {lights} }},
             materials: {{ \"matt\": (color: 1, diffuse: 1, ambient: 0) }},
             objects: {{ \"floor\": (shape: Plane(), material: \"matt\"), {ball} }})"
         ))

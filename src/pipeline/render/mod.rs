@@ -217,10 +217,14 @@ pub fn check(sequence: &Sequence, request: &Request) -> Result<(), RenderError> 
     Ok(job(sequence, request, &FrameStates::default()).check().map_err(EncodeError::from)?)
 }
 
+/// Bytes of stack of a tracing thread. Unoptimized kernels need more than the 2 MiB that threads have otherwise.
+const STACK: usize = 8 << 20;
+
 /// The pool of tracing threads.
 pub(crate) fn pool(threads: Option<NonZeroUsize>) -> Result<ThreadPool, RenderError> {
     let threads = threads.map_or(0, NonZeroUsize::get);
     let name = |index: usize| format!("render {index}");
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(name).build();
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(name).stack_size(STACK).build();
     pool.map_err(|error| RenderError::Threads(error.to_string()))
 }
