@@ -432,6 +432,11 @@ fn plans_list_spans_effects_layers_rays_and_memory() {
     std::fs::write(&other, both).expect("the folder is writable");
     let printed = kinora(&["plan", &other.to_string_lossy()]).stdout;
     assert!(printed.contains("6-7: object \"ring\" and object \"ball\" move (2 films)\n"), "{printed}");
+    let lit = text.replace("Point(position: (3, 4, 5),", "Point(position: (3, 4, 5), shadows: false,");
+    std::fs::write(&other, lit).expect("the folder is writable");
+    let printed = kinora(&["plan", &other.to_string_lossy()]).stdout;
+    let unused = printed.lines().find(|line| line.starts_with("unused"));
+    assert!(unused.is_some_and(|line| line.contains(", shadows,")), "{printed}");
     let json = kinora(&["plan", &file, "--json", "--frames", "0-5", "--film-cache", "1MB"]);
     assert_eq!(json.code, Some(0));
     let wanted =

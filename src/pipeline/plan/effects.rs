@@ -133,7 +133,7 @@ fn light(scene: &Scene, lit: &[LayerId], found: &mut Vec<(SceneEffect, EffectSou
         if light.radiance == Rgb::ZERO || !on(light.layer) {
             continue;
         }
-        if lit_by_lights {
+        if lit_by_lights && light.shadows {
             found.push((SceneEffect::Shadows, EffectSource::Light(index)));
         }
         let attenuation = match light.source {

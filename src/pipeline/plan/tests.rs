@@ -93,6 +93,13 @@ fn the_kind_of_samples_is_part_of_the_scene_hash() {
 }
 
 #[test]
+fn lights_without_shadows_are_other_lights() {
+    let lit = |fields: &str| digests(&ball(&LAMP.replace(") }", &format!("{fields}) }}")), "", ""));
+    assert_ne!(lit(", shadows: false"), lit(""));
+    assert_eq!(lit(", shadows: true"), lit(""));
+}
+
+#[test]
 fn effects_without_strength_are_ignored() {
     let plain = digests(&ball(LAMP, "", ""));
     for fields in [
