@@ -29,7 +29,7 @@ enum State {
     /// No thread has begun to read this step.
     Waiting(usize),
     Reading,
-    Done(usize, Read),
+    Done(usize, Box<Read>),
 }
 
 impl Ahead {
@@ -70,7 +70,7 @@ impl Desk {
             }
         }
         let data = read(step);
-        *self.state() = State::Done(step, data);
+        *self.state() = State::Done(step, Box::new(data));
         self.changed.notify_all();
     }
 
@@ -81,7 +81,7 @@ impl Desk {
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
         match mem::take(&mut *state) {
-            State::Done(read, data) if read == step => data,
+            State::Done(read, data) if read == step => *data,
             _ => None,
         }
     }
