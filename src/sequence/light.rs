@@ -34,9 +34,10 @@ pub fn light(node: Node<'_>) -> Option<LightTracks> {
     )
 }
 
-/// Decodes the fields of one kind of light.
+/// Decodes the fields that one kind of light has alone.
 type DecodeKind<'s> = fn(&mut Fields<'s>) -> Option<LightKind>;
 
+/// Decodes a light without an area, whose shadows can be switched off.
 fn punctual<'s>(node: Node<'s>, what: &'static str, kind: DecodeKind<'s>) -> Option<LightTracks> {
     let mut fields = Fields::of(node, what)?;
     let kind = kind(&mut fields);
@@ -45,13 +46,14 @@ fn punctual<'s>(node: Node<'s>, what: &'static str, kind: DecodeKind<'s>) -> Opt
     Some(LightTracks { shadows: shadows?, ..light })
 }
 
+/// Decodes a light with an area. It casts shadows: paths also find it by chance, and then whatever is in between blocks it.
 fn area<'s>(node: Node<'s>, what: &'static str, kind: DecodeKind<'s>) -> Option<LightTracks> {
     let mut fields = Fields::of(node, what)?;
     let kind = kind(&mut fields);
     lit(fields, kind)
 }
 
-/// Decodes the fields of all lights.
+/// Decodes the fields that all lights have.
 fn lit(mut fields: Fields<'_>, kind: Option<LightKind>) -> Option<LightTracks> {
     let color = fields.or("color", keyed(color), Rgb::ONE);
     let intensity = fields.or("intensity", keyed(not_negative), 1.0);

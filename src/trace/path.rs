@@ -128,7 +128,7 @@ impl<F: Real> PathShader<'_, F> {
         let (whole, mis_complement) =
             (radiance * (scattered + reflected.highlight), radiance * scattered * rest);
         let own = whole - mis_complement;
-        let lit = self.at.add_unblocked(wave, request, (&light, own), light.is_lit & whole.is_lit());
+        let lit = self.at.add_unshadowed(wave, request, (&light, own), light.is_lit & whole.is_lit());
         if !lit.any() {
             return;
         }

@@ -220,14 +220,14 @@ impl<F: Real> ShadingContext<F> {
 
     /// Adds the light of lights that cast no shadows, in the lanes of a mask. Returns the other lanes.
     #[inline(always)]
-    pub fn add_unblocked(
+    pub fn add_unshadowed(
         &self,
         wave: &mut WaveState,
         request: &LightRequest,
         (sample, light): (&LightSample<F>, Color<F::F32>),
         lit: F::Mask,
     ) -> F::Mask {
-        if !request.passes {
+        if !request.some_unshadowed {
             return lit;
         }
         wave.sums.add::<F>(request.layer, light, lit & !sample.casts_shadows, self.path.slot);

@@ -116,7 +116,7 @@ impl<F: Real> WhittedShader<'_, F> {
         let reflected = bsdf.reflected(light.direction);
         let scattered = self.at.scattered(wave, &light, &reflected);
         let whole = path.throughput.at_surface() * (scattered + reflected.highlight) * light.radiance;
-        let lit = self.at.add_unblocked(wave, request, (&light, whole), light.is_lit & whole.is_lit());
+        let lit = self.at.add_unshadowed(wave, request, (&light, whole), light.is_lit & whole.is_lit());
         if !lit.any() {
             return;
         }

@@ -62,6 +62,7 @@ fn lights_without_shadows_pass_objects() {
         for count in [1, 2, 3, 24] {
             let unblocked = film(quality, &lights(count, ", shadows: false"), "");
             assert!(unblocked.iter().all(|radiance| radiance.x > 0.0));
+            assert_eq!(film(quality, &lights(count, ""), ""), unblocked, "{quality}, {count}");
             assert_eq!(
                 film(quality, &lights(count, ", shadows: false"), ball),
                 unblocked,

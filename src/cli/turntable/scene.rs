@@ -54,8 +54,8 @@ impl Scene<'_> {
         self.parts.iter().fold(Aabb::EMPTY, |bounds, part| bounds.union(part.bounds))
     }
 
-    /// Three lights: the key from the left in front, a weak fill from the right, and a rim light from behind. The key
-    /// alone casts shadows, as one lamp of a studio does beside soft ones.
+    /// Three lights: the key from the left in front, a weak fill from the right, and a rim light from behind. Only the
+    /// key casts shadows: those of weak lights would hardly show, and take two thirds of the shadow rays.
     fn lights(&self) -> String {
         let size = self.bounds().max - self.bounds().min;
         // The parts turn within a circle around the axis.

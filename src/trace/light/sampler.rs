@@ -35,8 +35,8 @@ pub struct LightRequest {
     member: Option<usize>,
     /// Whether the sample is random: the source has several directions, or is chosen among several.
     pub is_sampled: bool,
-    /// Whether the light of some source arrives whatever stands in between.
-    pub passes: bool,
+    /// Whether some source casts no shadows.
+    pub some_unshadowed: bool,
 }
 
 impl LightRequest {
@@ -86,18 +86,19 @@ impl<'a> LightSampler<'a> {
                 group: index,
                 member,
                 is_sampled,
-                passes: false,
+                some_unshadowed: false,
             };
             if choice && group.members.len() > MAX_SAMPLED {
                 let powers = group.members.iter().map(|member| member.power(scene));
-                let passes = !group.members.iter().all(SampledEmitter::casts_shadows);
-                self.requests.push(LightRequest { passes, ..request(None, MAX_SAMPLED as u32, true) });
+                let some_unshadowed = !group.members.iter().all(SampledEmitter::casts_shadows);
+                let request = request(None, MAX_SAMPLED as u32, true);
+                self.requests.push(LightRequest { some_unshadowed, ..request });
                 group.distribution = Some(DiscreteDistribution::of(powers));
             } else {
                 for (member, source) in group.members.iter().enumerate() {
-                    let passes = !source.casts_shadows();
+                    let some_unshadowed = !source.casts_shadows();
                     let request = request(Some(member), member as u32, source.is_sampled());
-                    self.requests.push(LightRequest { passes, ..request });
+                    self.requests.push(LightRequest { some_unshadowed, ..request });
                 }
             }
             for (index, member) in group.members.iter().enumerate() {
