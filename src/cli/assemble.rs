@@ -28,6 +28,9 @@ use std::time::Duration;
 /// The largest number of frames in a row of a filmstrip.
 const MAX_COLUMNS: u32 = 400;
 
+/// The text below the frames of a filmstrip, unless there is another one.
+const STRIP_CAPTION: &str = "frame {frame} · {time} s";
+
 /// Make GIFs, videos and filmstrips from rendered frames.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP, mut_arg("caption", |argument| argument
@@ -82,7 +85,7 @@ pub struct Arguments {
     no_dither: bool,
 
     /// Text below each frame of a filmstrip
-    #[arg(long = "caption", value_name = "TEXT", default_value = "frame {frame} · {time} s", value_parser = values::caption)]
+    #[arg(long = "caption", value_name = "TEXT", default_value = STRIP_CAPTION, value_parser = values::caption)]
     strip_caption: Template,
 
     /// Frames in a row of a filmstrip
@@ -111,6 +114,14 @@ file name, or if its sequence, version, rate, seed or number of samples differs 
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     terminal::check_stream(&arguments.output)?;
+    let is_default = Template::parse(STRIP_CAPTION).is_ok_and(|usual| usual == arguments.strip_caption);
+    if !is_default && !arguments.output.iter().any(|output| matches!(output, Output::Stills(..))) {
+        return Err(Failure::Bad(
+            "--caption is the text below the frames of a filmstrip, and no output is one; the --caption with which \
+             the frames were rendered is --frame-caption here"
+                .to_owned(),
+        ));
+    }
     let pattern = arguments.pattern()?;
     // No output may replace a frame, not even one outside of --frames.
     let own = |path: &Path| pattern.matches(path).then_some(pattern.name());

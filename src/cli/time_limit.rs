@@ -7,7 +7,7 @@ use crate::base::units::{percent, seconds};
 use crate::pipeline::render::Request;
 use crate::pipeline::time_limit::{Budget, Settled, settled};
 use crate::sequence::Sequence;
-use crate::sequence::quality::Quality;
+use crate::sequence::quality::{Denoise, Quality};
 use clap::Args;
 use std::time::Duration;
 
@@ -78,5 +78,6 @@ fn budget_note(budget: &Budget) -> String {
     if let Some(error) = budget.error {
         note += &format!(", and leave an error of about {} of the brightness", percent(error));
     }
-    note + &format!("; for the same pictures again: {option}")
+    let denoise = if quality.denoise == Denoise::Auto { " --denoise" } else { "" };
+    note + &format!("; for the same pictures again: {option}{denoise}")
 }

@@ -168,6 +168,7 @@ pub fn duration(text: &str) -> Result<Duration, String> {
     let digits = text.find(|c: char| c != '.' && !c.is_ascii_digit()).unwrap_or(text.len());
     let (number, unit) = text.split_at(digits);
     let unit = match unit.trim() {
+        "ms" => Some(1e-3),
         "s" => Some(1.0),
         "min" => Some(60.0),
         "h" => Some(3600.0),

@@ -8,6 +8,7 @@ use crate::base::machine;
 use crate::geometry::mesh::{MeshData, MeshError, Preparation, TriangleMesh};
 use std::cell::RefCell;
 use std::collections::HashSet;
+use std::ffi::OsStr;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
@@ -122,9 +123,15 @@ impl Format {
             Some(extension) if extension == "ply" => Ok(Self::Ply),
             Some(extension) if extension == "stl" => Ok(Self::Stl),
             _ if VtkKind::of(path).is_some() => Ok(Self::Vtk),
-            _ => Err(MeshError::new(
-                "meshes are read from .obj, .ply, .stl, .vtk, .vtp, .vtu, .pvtp and .pvtu files",
-            )),
+            extension => {
+                let meshes = "meshes are read from .obj, .ply, .stl, .vtk, .vtp, .vtu, .pvtp and .pvtu files";
+                let hint = match extension.as_deref().and_then(OsStr::to_str) {
+                    Some("glb" | "gltf") => "; `Scene(\"...\")` shows the scene of a glTF file",
+                    Some("pvd") => "; `Mesh(series: \"...\")` shows the meshes that a .pvd file lists",
+                    _ => "",
+                };
+                Err(MeshError::new(format!("{meshes}{hint}")))
+            }
         }
     }
 }

@@ -126,7 +126,8 @@ fn range(node: Node<'_>, scale: DataScale) -> Option<Option<[f64; 2]>> {
     }
     let [min, max] = each(tuple(node, "two numbers (lowest, highest), or Auto")?, number)?;
     if min >= max {
-        let fault = node.mismatch("a lower and a higher number (lowest, highest)");
+        let found = format!("{min:?} is not below {max:?}");
+        let fault = Fault::expected(node.span(), "a lower and a higher number (lowest, highest)", found);
         node.fault(fault.help("`reverse: true` turns the colours around"));
         return None;
     }

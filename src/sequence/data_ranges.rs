@@ -74,7 +74,16 @@ fn note(
                 (_, Some(ShapeTracks::Particles(particles))) => ("table", particles.columns()),
                 _ => return Err(Box::new(no_mesh(key, place))),
             };
-            let array = found(arrays, key).ok_or_else(|| Box::new(missing(key, (name, arrays), place)))?;
+            let array = found(arrays, key).ok_or_else(|| {
+                let why = match &object.tracks {
+                    Some(ShapeTracks::Particles(particles)) => particles.unusable(&key.name),
+                    _ => None,
+                };
+                Box::new(match why {
+                    Some(why) => no_numbers(&key.name, why, place),
+                    None => missing(key, (name, arrays), place),
+                })
+            })?;
             match (&object.shape, &object.tracks) {
                 (_, Some(ShapeTracks::Series(series))) => {
                     let range = series_range(series, key, *scale);
@@ -144,6 +153,13 @@ fn no_mesh(key: &ArrayKey, place: &Range<usize>) -> Fault {
     let title = format!("only meshes and particles have data such as `{}`", shortened(&key.name));
     Fault::new(place.clone(), title, "the shape of this object has none")
         .help("X, Y and Z are the coordinates of any shape")
+}
+
+/// The fault of a column that does not hold numbers.
+fn no_numbers(name: &str, why: &str, place: &Range<usize>) -> Fault {
+    let title = format!("cannot colour by the column `{}`", shortened(name));
+    Fault::new(place.clone(), title, why)
+        .help("cells that are empty, NaN, NA or null have no number: they show the colour `nan`")
 }
 
 fn endless(place: &Range<usize>) -> Fault {

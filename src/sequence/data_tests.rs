@@ -340,6 +340,34 @@ fn faults_of_poses_name_file_line_and_column() {
     has("\"zero.csv\", translation: (1, 2, 3)", "line 2");
 }
 
+/// Particles without a number are shown in the colour `nan`; a column of anything else is refused where it is used.
+#[test]
+fn columns_of_colours_may_lack_numbers() {
+    let folder = folder(&[("p.csv", "x,y,z,heat,kind\n0,0,0,1,7\n1,0,0,,8\n2,0,0,NaN,b\n3,0,0,5,9\n")]);
+    let text = |of: &str| {
+        format!(
+            "(objects: {{ \"p\": (shape: Particles(file: \"p.csv\", radius: 0.1), \
+             material: Unlit(color: Scalar(\"{of}\"))) }})"
+        )
+    };
+    let path = folder.path().join("test.ron");
+    let sequence = parse(&path.to_string_lossy(), &text("heat")).expect("a sequence");
+    assert!(sequence.warnings.iter().any(|warning| warning.contains("`heat` is (1, 5)")), "{sequence:?}");
+    let faults = faults_in(&folder, &text("kind"));
+    assert!(faults.contains("cannot colour by the column `kind`"), "{faults}");
+    assert!(faults.contains("line 4, column \"kind\": expected a finite number, found `b`"), "{faults}");
+}
+
+/// Instances share their description, so one mistake in it is one mistake.
+#[test]
+fn a_mistake_of_instances_is_reported_once() {
+    let folder = folder(&[("at.csv", "x,y,z\n0,0,0\n1,0,0\n2,0,0\n3,0,0\n")]);
+    let text = "(objects: { \"a\": (shape: Instances(shape: Sphere(), file: \"at.csv\"), \
+                material: Lambertian(color: Scalar(\"none\"))) })";
+    let faults = faults_in(&folder, text);
+    assert_eq!(faults.matches("error").count(), 1, "{faults}");
+}
+
 #[test]
 fn frames_that_cannot_be_fitted_are_refused() {
     let has = |camera: &str, part: &str| {

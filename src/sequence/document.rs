@@ -195,6 +195,10 @@ fn active_camera(fields: &mut Fields<'_>, names: &Names<'_>) -> Option<CameraCut
             pairs.map(|pair| pair[1].time).collect()
         }
     };
+    if cuts.is_empty() && fields.is_given("cross_fade") {
+        let note = "`cross_fade` has no effect: `active_camera` has no keys that change the camera";
+        fields.node().file.warn(place.start, note.to_owned());
+    }
     if let Some(pair) = cuts.windows(2).find(|pair| pair[1] - pair[0] < fade) {
         let [first, second] = [pair[0], pair[1]].map(|time| *time.numer() as f64 / *time.denom() as f64);
         let title = format!("the cuts at {first} s and {second} s are nearer than a cross-fade is long");

@@ -61,6 +61,8 @@ impl Faults {
             let known = at_this_place.entry(fault.title.clone()).or_insert(faults.len());
             match copies.get_mut(*known) {
                 Some(more) if !fault.notes.uses.is_empty() => *more += 1,
+                // Objects that share a description, such as instances, find the same fault in it.
+                Some(_) if faults[*known] == fault => {}
                 _ => {
                     faults.push(fault);
                     copies.push(0);

@@ -49,6 +49,12 @@ fn punctual<'s>(node: Node<'s>, what: &'static str, kind: DecodeKind<'s>) -> Opt
 /// Decodes a light with an area. It casts shadows: paths also find it by chance, and then whatever is in between blocks it.
 fn area<'s>(node: Node<'s>, what: &'static str, kind: DecodeKind<'s>) -> Option<LightTracks> {
     let mut fields = Fields::of(node, what)?;
+    if fields.is_given("shadows") {
+        let title = format!("{what} has no field `shadows`");
+        let fault = Fault::new(fields.place("shadows"), title, "lights with an area always cast shadows");
+        node.fault(fault.help("`Point`, `Spot` and `Directional` take `shadows: false`"));
+        fields.pass_over("shadows");
+    }
     let kind = kind(&mut fields);
     lit(fields, kind)
 }

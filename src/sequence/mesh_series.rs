@@ -69,7 +69,30 @@ pub fn series(fields: &mut Fields<'_>) -> Option<Arc<MeshSeries>> {
     let shading = normals?;
     let preparation = Preparation { crease: shading.and_then(|shading| shading.crease()), ..preparation? };
     let normals = shading.map(|shading| shading.normals());
-    opened(name, SeriesFiles { steps: listed.steps, track, preparation, normals })
+    let series = opened(name, SeriesFiles { steps: listed.steps, track, preparation, normals })?;
+    if ease == Ease::Linear {
+        note_held(name, &series);
+    }
+    Some(series)
+}
+
+/// Notes the meshes that cannot be blended with the next one.
+fn note_held(node: Node<'_>, series: &MeshSeries) {
+    let held: Vec<usize> = series
+        .steps()
+        .windows(2)
+        .enumerate()
+        .filter(|(_, pair)| pair[0].topology != pair[1].topology)
+        .map(|(at, _)| at)
+        .collect();
+    let Some(first) = held.first().and_then(|&at| series.paths().nth(at)) else { return };
+    let file = first.file_name().unwrap_or(first.as_os_str()).to_string_lossy();
+    let (pairs, file) = (series.steps().len() - 1, shortened(&file));
+    let note = format!(
+        "{} of {pairs} meshes are held and not blended, as the next one has other triangles; the first is {file:?}",
+        held.len()
+    );
+    node.file.warn(node.span().start, note);
 }
 
 const BETWEEN: &[(&str, Ease)] = &[("Hold", Ease::Step), ("Blend", Ease::Linear)];

@@ -94,6 +94,7 @@ mod version;
 mod words;
 
 pub use convert::{converted, converted_text};
+pub use expand::source::quoted_value;
 pub use faults::{FaultPlace, Faults};
 pub use fmt::{Formatted, formatted, formatted_text};
 pub use json::is_json;

@@ -278,7 +278,26 @@ impl<'s> Node<'s> {
 
     /// The fault of [`Node::expected`], to which help can be added.
     pub fn mismatch(&self, what: impl Into<String>) -> Fault {
-        Fault::expected(self.span(), what, format!("found {}", self.describe()))
+        // Fields with keys read them before their value.
+        let found = match self.looks_like_keys() {
+            true => "found keys; this field takes none".to_owned(),
+            false => format!("found {}", self.describe()),
+        };
+        Fault::expected(self.span(), what, found)
+    }
+
+    /// Whether the value is a list of pairs, or triples, that begin with a number.
+    fn looks_like_keys(&self) -> bool {
+        let is_key = |item: &Node<'_>| match item.read() {
+            Ok(NodeContent::Tuple(parts)) if (2..=3).contains(&parts.len()) => {
+                parts[0].text.starts_with(|c: char| c.is_ascii_digit())
+            }
+            _ => false,
+        };
+        if !self.opens_with('[') {
+            return self.word == "Track";
+        }
+        matches!(self.read(), Ok(NodeContent::List(items)) if !items.is_empty() && items.iter().all(is_key))
     }
 
     /// A description of the value for messages.

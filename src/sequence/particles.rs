@@ -98,7 +98,8 @@ fn rows(table: &Table, columns: &Columns, node: Node<'_>) -> Result<ParticleTrac
     let radii = radii(table, &columns.radius)?;
     let spheres = centers.into_iter().zip(radii).map(|(center, radius)| Sphere { center, radius }).collect();
     let timed = TimedRows::of(table, columns.time.as_ref(), node.file.clock.get())?;
-    let mut rows = ParticleRows { spheres, columns: numbers(table), ..ParticleRows::default() };
+    let (numbers, unusable) = numbers(table);
+    let mut rows = ParticleRows { spheres, columns: numbers, unusable, ..ParticleRows::default() };
     if timed.times.len() > 1 {
         let id = columns.id.as_ref();
         let ids = TimedRows::ids(table, columns.time.as_ref(), id)?;
@@ -126,8 +127,14 @@ fn radii(table: &Table, radius: &Radius) -> Result<Vec<f64>, PoseFault> {
     }
 }
 
-/// The columns that hold numbers only.
-fn numbers(table: &Table) -> Vec<(String, Vec<f64>)> {
-    let column = |name: &str| Some((name.to_owned(), table.column(name).ok()?.to_vec()));
-    table.names().filter_map(column).collect()
+/// The columns of numbers, of which some may be missing; and the names of the others, with what they hold instead.
+fn numbers(table: &Table) -> (Vec<(String, Vec<f64>)>, Vec<(String, String)>) {
+    let (mut columns, mut unusable) = (Vec::new(), Vec::new());
+    for name in table.names() {
+        match table.column_with_gaps(name) {
+            Ok(values) => columns.push((name.to_owned(), values.to_vec())),
+            Err(error) => unusable.push((name.to_owned(), error.to_string())),
+        }
+    }
+    (columns, unusable)
 }

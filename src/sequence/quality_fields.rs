@@ -41,6 +41,10 @@ pub fn quality(node: Node<'_>) -> Option<Quality> {
     let vary_noise = fields.or("vary_noise", switch, default.vary_noise);
     let reuse = fields.or("reuse", reuse, default.reuse);
     let denoise = fields.or("denoise", denoise, default.denoise);
+    if matches!(noise, Some(Some(_))) && fields.is_given("samples") {
+        let note = "`samples` has no effect: `noise` decides how many there are";
+        node.file.warn(fields.place("samples").start, note.to_owned());
+    }
     fields.finish();
     let (noise, most) = (noise?, max_samples?.unwrap_or(NoiseTarget::MOST));
     let noise = noise.map(|error| NoiseTarget { error, most });

@@ -127,6 +127,47 @@ fn several_parts_are_one_turn() {
     assert!(folder.path().join("output/ball.gif").is_file());
 }
 
+/// A glTF file turns in its materials, alone or with meshes, and stands on the ground in the middle.
+#[test]
+fn gltf_scenes_turn() {
+    let folder = folder();
+    let at = folder.path();
+    // A box that its node lifts, turns and moves far away.
+    let boxed = "(objects: { \"b\": (shape: Box(min: (-1, -2, -1), max: (1, 2, 1)), translation: (1e3, 50, -7), \
+                 rotation: AxisAngle(axis: (0, 1, 0), angle: 45), material: Lambertian(color: \"#f00\")) })";
+    fs::write(at.join("b.ron"), boxed).expect("a disk");
+    kinora(at, &["export", "b.ron", "-o", "parts/=b.glb"]);
+    let turn = ["turntable", "parts/=b.glb", "--frames", "4", "-o", "a_#.png", "--write", "t.ron"];
+    kinora(at, &[&turn[..], &SMALL].concat());
+    let is_red = |picture: &image::RgbImage, x: u32, y: u32| {
+        let [red, green, _] = picture.get_pixel(x, y).0;
+        red > 60 && red / 2 > green
+    };
+    let still = picture(at, "a_0.png");
+    let column: Vec<u32> = (0..48).filter(|y| is_red(&still, 32, *y)).collect();
+    // As high as the picture without its margins, and as far to the left as to the right.
+    assert!(column.len() > 34 && column.len() <= 40, "{column:?}");
+    let row: Vec<u32> = (0..64).filter(|x| is_red(&still, *x, 24)).collect();
+    let (left, right) = (row[0], 63 - row[row.len() - 1]);
+    assert!(left.abs_diff(right) <= 1, "{row:?}");
+    let text = fs::read_to_string(at.join("t.ron")).expect("a sequence");
+    assert!(text.contains("Scene(file: \"parts/=b.glb\", animation: Off, lights: false)"), "{text}");
+    // With z up, it lies on its side: a quarter of a turn later, it is seen in its length.
+    let lying = ["turntable", "parts/=b.glb", "--up", "z", "--frames", "4", "-o", "z_#.png"];
+    kinora(at, &[&lying[..], &SMALL].concat());
+    let lying = picture(at, "z_1.png");
+    let width = (0..64).filter(|x| is_red(&lying, *x, 24)).count();
+    assert!(width > row.len() + 4, "{width} and {}", row.len());
+    kinora(
+        at,
+        &[&["turntable", "parts/=b.glb", "parts/ball.ply", "--frames", "2", "-o", "c.gif"], &SMALL[..]]
+            .concat(),
+    );
+    fs::write(at.join("bad.gltf"), "{}").expect("a disk");
+    let message = refused(at, &["turntable", "bad.gltf"]);
+    assert!(message.contains("cannot read bad.gltf: ") && !message.contains("part.ron"), "{message}");
+}
+
 /// The command line may name files anywhere, a sequence only those below the working directory.
 #[test]
 fn files_may_be_anywhere() {
@@ -152,6 +193,7 @@ fn mistakes_are_refused() {
         assert!(message.contains(part), "{message}");
     };
     has(&["none.stl"], "cannot read none.stl: there is no such file");
+    has(&["run.pvd"], "`Mesh(series: \"...\")` shows the meshes that a .pvd file lists");
     has(&["part.step"], "cannot read part.step: meshes are read from");
     has(&["bad.obj"], "cannot read bad.obj: line 1: expected three numbers");
     has(&["parts/ball.ply", "--write", "there.ron"], "there.ron exists already");

@@ -110,6 +110,8 @@ mod tests {
         let section = explained("camera paths");
         assert!(section.starts_with("Camera paths\n"), "{section}");
         assert!(explained("Clock").contains("Text and pictures"));
+        assert!(explained("shadows").contains("whether objects block the light"));
+        assert!(explained("Scalar").contains("by the colours of a map"));
     }
 
     #[test]

@@ -152,9 +152,9 @@ fn has_title(section: &Section, name: &str) -> bool {
     section.level > 1 && (title.eq_ignore_ascii_case(name) || words(&title).any(|word| is_same(word, name)))
 }
 
-/// The parts of a title: `materials, default_material`.
+/// The parts of a title: `materials, default_material`, and `Scalar` of `Scalar: numbers as colours`.
 fn words(title: &str) -> impl Iterator<Item = &str> {
-    title.split(", ")
+    title.split(": ").next().unwrap_or_default().split(", ")
 }
 
 /// Whether two names are the same, up to the case and a plural.

@@ -1,4 +1,4 @@
-//! `kinora turntable`: one turn around the parts in mesh files. It writes a sequence and renders that.
+//! `kinora turntable`: one turn around the parts in mesh and glTF files. It writes a sequence and renders that.
 
 mod parts;
 mod scene;
@@ -23,11 +23,11 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use written::Written;
 
-/// Render one turn of a part, or of several parts together, from mesh files.
+/// Render one turn of a part, or of several parts together, from mesh or glTF files.
 #[derive(Args, Debug, PartialEq)]
 #[command(after_help = AFTER_HELP, mut_arg("size", describe_size), mut_arg("fps", describe_rate))]
 pub struct Arguments {
-    /// The parts: .stl, .obj, .ply, .vtk, .vtp, .vtu, .pvtp or .pvtu files, which share their coordinates
+    /// The parts: .stl, .obj, .ply, .glb, .gltf, .vtk, .vtp, .vtu, .pvtp or .pvtu files, which share their coordinates
     #[arg(required = true, value_name = "PART")]
     parts: Vec<PathBuf>,
 
@@ -202,7 +202,7 @@ impl Arguments {
         &self,
         folder: &Path,
         root: &Root,
-        meter: &crate::import::LoadProgress,
+        meter: &Arc<crate::import::LoadProgress>,
     ) -> Result<Vec<Part>, Failure> {
         let part = |file: &PathBuf| {
             let from = if self.write.is_some() { Some(folder) } else { None };

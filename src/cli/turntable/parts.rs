@@ -2,16 +2,21 @@
 
 use super::Up;
 use crate::base::files::{self, Root};
-use crate::base::math::{Aabb, UpAxis};
-use crate::import::{self, LoadProgress};
+use crate::base::math::{Aabb, DVec3, UpAxis};
+use crate::geometry::shape::Shape;
+use crate::import::{self, LoadProgress, gltf};
+use crate::sequence::{Sequence, ShapeTracks, load_text, quoted_value};
 use std::path::Path;
+use std::sync::Arc;
 
-/// A mesh file.
+/// A mesh file, or a glTF file.
 pub struct Part {
     /// The name of the object.
     pub name: String,
     /// The path in the sequence, with `/` between folders.
     pub file: String,
+    /// Whether the file holds a scene of several meshes, not one mesh.
+    pub is_scene: bool,
     pub up: UpAxis,
     /// Around its vertices, with y up.
     pub bounds: Aabb,
@@ -30,8 +35,11 @@ impl Part {
         folder: Option<&Path>,
         up: Option<Up>,
         root: &Root,
-        meter: &LoadProgress,
+        meter: &Arc<LoadProgress>,
     ) -> Result<Self, String> {
+        if gltf::is_gltf(path) {
+            return Self::scene(path, folder, up, root, meter);
+        }
         let data = import::load_data(path, root, meter).map_err(|error| error.to_string())?;
         let is_stl = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("stl"));
         let up = match up {
@@ -51,16 +59,77 @@ impl Part {
         if bounds.is_empty() {
             return Err("it has no triangles".to_owned());
         }
-        let name = path.file_stem().map_or_else(|| "part".into(), |stem| stem.to_string_lossy());
         Ok(Self {
-            name: name.into_owned(),
+            name: name(path),
             file: written(path, folder)?,
+            is_scene: false,
             up,
             bounds,
             has_colors: !data.materials.is_empty() || !data.colors.is_empty(),
             has_normals: data.normals.is_some(),
         })
     }
+
+    /// A glTF file: its scene, without animations and lights.
+    fn scene(
+        path: &Path,
+        folder: Option<&Path>,
+        up: Option<Up>,
+        root: &Root,
+        meter: &Arc<LoadProgress>,
+    ) -> Result<Self, String> {
+        // First the file alone, whose errors do not name a sequence.
+        gltf::load(path, root, meter).map_err(|error| error.to_string())?;
+        let up = if up == Some(Up::Z) { UpAxis::Z } else { UpAxis::Y };
+        let text = format!("(objects: {{ \"part\": {} }})", scene_object(&written(path, None)?, up, ""));
+        let sequence = load_text(Path::new("part.ron"), &text, root.clone(), meter);
+        let bounds = bounds(&sequence.map_err(|error| error.to_string())?);
+        if bounds.is_empty() {
+            return Err("it has no triangles".to_owned());
+        }
+        Ok(Self {
+            name: name(path),
+            file: written(path, folder)?,
+            is_scene: true,
+            up,
+            bounds,
+            // Of materials, glTF files have at least their default.
+            has_colors: true,
+            has_normals: true,
+        })
+    }
+}
+
+/// An object that shows the scene of a glTF file upright, with more fields.
+pub fn scene_object(file: &str, up: UpAxis, more: &str) -> String {
+    let upright = if up == UpAxis::Z { ", rotation: AxisAngle(axis: (1, 0, 0), angle: -90)" } else { "" };
+    format!("(shape: Scene(file: {}, animation: Off, lights: false){upright}{more})", quoted_value(file))
+}
+
+/// Around the vertices of all visible meshes at the start.
+fn bounds(sequence: &Sequence) -> Aabb {
+    let start = sequence.timeline.clock(0).time;
+    let visible = (0..sequence.objects.len()).filter(|&index| sequence.is_visible(index, start));
+    visible.fold(Aabb::EMPTY, |bounds, index| {
+        let object = &sequence.objects[index].value;
+        let deformed = match &object.tracks {
+            Some(ShapeTracks::Deformed(mesh)) => mesh.named(start),
+            _ => None,
+        };
+        let mesh = match (&deformed, &object.shape) {
+            (Some(mesh), _) | (None, Shape::Mesh(mesh)) => &mesh.mesh,
+            _ => return bounds,
+        };
+        let to_world = sequence.to_world(index, start);
+        let corners =
+            mesh.triangles().as_flattened().iter().filter_map(|&at| mesh.positions().get(at as usize));
+        bounds.union(Aabb::around(corners.map(|corner: &DVec3| to_world.transform_point3(*corner))))
+    })
+}
+
+/// The name of a part: that of its file.
+fn name(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "part".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
 /// A path relative to the folder of the sequence.

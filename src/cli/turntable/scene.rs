@@ -1,8 +1,9 @@
 //! The text of a turntable's sequence.
 
-use super::parts::Part;
+use super::parts::{Part, scene_object};
 use crate::base::math::{Aabb, DVec3, UpAxis};
 use crate::base::time::Rate;
+use crate::sequence::quoted_value;
 use std::collections::HashSet;
 use std::fmt::Write;
 
@@ -25,7 +26,7 @@ impl Scene<'_> {
     /// The sequence: the parts turn in front of a still camera and still lights.
     pub fn text(&self) -> String {
         let Self { frames, rate, size: (width, height), bounces, antialias, .. } = self;
-        let files: Vec<String> = self.files.iter().map(|file| format!("{file:?}")).collect();
+        let files: Vec<String> = self.files.iter().map(|file| quoted_value(file)).collect();
         let files = files.join(", ");
         let lights = self.lights();
         let (materials, objects) = (self.materials(), self.objects());
@@ -95,8 +96,9 @@ impl Scene<'_> {
             "        \"turntable\": (shape: Group, rotation: AxisAngle(axis: (0, 1, 0), angle: [(0, 0), ({}, 360)])),",
             self.frames
         );
-        let single = self.parts.len() == 1;
-        if !single {
+        // A mesh alone says itself that it stands in the middle.
+        let is_centered = matches!(self.parts, [part] if !part.is_scene);
+        if !is_centered {
             let bounds = self.bounds();
             let base = bounds.center() * DVec3::new(1.0, 0.0, 1.0) + bounds.min * DVec3::Y;
             let by = vector(DVec3::ZERO - base);
@@ -109,19 +111,25 @@ impl Scene<'_> {
         let mut names: HashSet<String> = ["ground", "turntable", "parts"].map(str::to_owned).into();
         let mut plain = 0;
         for part in self.parts {
+            let parent = if is_centered { "turntable" } else { "parts" };
+            let name = unused(&part.name, &mut names);
+            if part.is_scene {
+                let more = format!(", parent: {parent:?}");
+                let _ = writeln!(text, "        {name:?}: {},", scene_object(&part.file, part.up, &more));
+                continue;
+            }
             let up = if part.up == UpAxis::Z { ", up: Z" } else { "" };
-            let center = if single { ", center: Base" } else { "" };
+            let center = if is_centered { ", center: Base" } else { "" };
             let normals = if part.has_normals { "" } else { ", normals: Crease(angle: 40)" };
-            let parent = if single { "turntable" } else { "parts" };
             let mut material_of = String::new();
             if !part.has_colors {
                 material_of = format!(", material: {:?}", material(plain % COLORS.len()));
                 plain += 1;
             }
-            let (name, file) = (unused(&part.name, &mut names), &part.file);
+            let file = quoted_value(&part.file);
             let _ = writeln!(
                 text,
-                "        {name:?}: (shape: Mesh(file: {file:?}{up}{center}{normals}), parent: {parent:?}{material_of}),"
+                "        {name:?}: (shape: Mesh(file: {file}{up}{center}{normals}), parent: {parent:?}{material_of}),"
             );
         }
         text
@@ -160,6 +168,7 @@ mod tests {
         Part {
             name: name.into(),
             file: file.into(),
+            is_scene: false,
             up: UpAxis::Z,
             bounds,
             has_colors: false,
@@ -171,18 +180,23 @@ mod tests {
     #[test]
     fn texts_load() {
         let folder = tempfile::tempdir().expect("a folder");
-        let odd = "a \"part\" {1}.ply";
-        ply::write(File::create(folder.path().join(odd)).expect("a file"), &generate::icosphere(1))
-            .expect("a disk");
+        for odd in ["a \"part\" {1}.ply", "=1+1.ply"] {
+            let file = File::create(folder.path().join(odd)).expect("a file");
+            ply::write(file, &generate::icosphere(1)).expect("a disk");
+            texts_of_file_load(folder.path(), odd);
+        }
+    }
+
+    fn texts_of_file_load(folder: &Path, odd: &str) {
         let far = DVec3::new(1e5, -1e-7, 1e12);
         for count in 1..9 {
-            let names = ["ground", "ground", "", "x", "x", "\\", "turntable", "é"];
+            let names = ["ground", "ground", "", "x", "=x", "\\", "turntable", "é"];
             let parts: Vec<_> = names[..count].iter().map(|name| part(name, odd, far)).collect();
-            let files = ["out/a.gif".to_owned(), "f_####.png".to_owned()];
+            let files = ["out/a.gif".to_owned(), "=f_####.png".to_owned()];
             let rate = Rate::new(30000, 1001).expect("a rate");
             let (size, bounces, antialias) = ((64, 48), 3, 2);
             let scene = Scene { parts: &parts, files: &files, frames: 7, rate, size, bounces, antialias };
-            let path = folder.path().join("turn.ron");
+            let path = folder.join("turn.ron");
             let sequence = load_text(&path, &scene.text(), Root::anywhere(), &Default::default());
             let sequence = sequence.unwrap_or_else(|error| panic!("{error}\n{}", scene.text()));
             assert_eq!((sequence.timeline.frames, sequence.timeline.rate), (7, rate));

@@ -1,6 +1,7 @@
 //! Meshes: the primitives of each as one triangle mesh, whose triangles name their materials.
 
 use super::GltfResult;
+use super::accessor::Accessor;
 use super::buffers::Buffers;
 use super::features::LeftOut;
 use super::json::Item;
@@ -64,7 +65,10 @@ pub fn meshes(
     let items = root.list("meshes")?;
     let mut is_shown = vec![false; items.len()];
     nodes.iter().filter_map(|node| node.mesh).for_each(|mesh| is_shown[mesh] = true);
-    check_size(root, items.iter().zip(&is_shown).filter(|(_, shown)| **shown).map(|(item, _)| item))?;
+    check_size(
+        (root, buffers),
+        items.iter().zip(&is_shown).filter(|(_, shown)| **shown).map(|(item, _)| item),
+    )?;
     let read = |(item, shown): (&Item<'_>, bool)| match shown {
         true => mesh((root, item), buffers, (&mut *materials, &mut *left_out), meter),
         false => Ok(None),
@@ -73,11 +77,15 @@ pub fn meshes(
 }
 
 /// Checks the memory for all meshes together. Many primitives may show the same few bytes.
-fn check_size<'a>(root: &Item<'_>, meshes: impl Iterator<Item = &'a Item<'a>>) -> GltfResult<()> {
+fn check_size<'a>(
+    (root, buffers): (&Item<'_>, &Buffers<'_>),
+    meshes: impl Iterator<Item = &'a Item<'a>>,
+) -> GltfResult<()> {
     let accessors = ("accessors", root.len_of("accessors"));
     let count = |item: &Item<'_>, key: &str| -> GltfResult<u64> {
         let Some(index) = item.index(key, accessors)? else { return Ok(0) };
-        Ok(root.entry("accessors", index)?.whole("count")?.unwrap_or(0))
+        // It checks that the buffer holds as many: a wrong number would be called a lack of memory.
+        Ok(Accessor::new(root, buffers, index)?.count as u64)
     };
     let mut size = 0u64;
     for mesh in meshes {
@@ -135,7 +143,10 @@ fn mesh(
         .any(|triangle| has_area(triangle.map(|vertex| data.positions[vertex as usize])));
     let stand_in = if is_flat && is_deformed { stand_in(&data) } else { None };
     if is_flat && stand_in.is_none() {
-        left_out.note("surfaces without an area", "mesh");
+        // Meshes of points and lines alone have been noted.
+        if !data.triangles.is_empty() {
+            left_out.note("surfaces without an area", "mesh");
+        }
         return Ok(None);
     }
     let named = if name.is_empty() { item.to_string() } else { format!("{:?}", shortened(&name)) };

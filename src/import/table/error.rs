@@ -15,11 +15,20 @@ pub struct TableError {
     pub why: String,
 }
 
-/// A cell without a finite number.
+/// The content of a cell that is no finite number.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum NoNumber {
+    /// The cell says that its number is missing: it is empty, NaN, NA or null. How messages call it.
+    Missing(String),
+    /// Anything else, quoted.
+    Other(String),
+}
+
+/// The first cell of a column without a finite number.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct BadCell {
     pub line: u64,
-    /// The quoted content.
+    /// How messages call its content.
     pub found: String,
 }
 

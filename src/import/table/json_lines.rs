@@ -1,5 +1,6 @@
 //! JSON Lines: one object per line. The first one names the columns.
 
+use super::error::NoNumber;
 use super::{Table, TableError};
 use crate::import::lines::{Lines, quoted};
 use serde_json::{Map, Value};
@@ -55,12 +56,13 @@ fn object(number: u64, line: &[u8]) -> Result<Map<String, Value>, TableError> {
     })
 }
 
-fn cell(value: Option<&Value>) -> Result<f64, String> {
+fn cell(value: Option<&Value>) -> Result<f64, NoNumber> {
     match value {
-        None => Err("nothing".to_owned()),
+        None => Err(NoNumber::Missing("nothing".to_owned())),
+        Some(Value::Null) => Err(NoNumber::Missing("`null`".to_owned())),
         Some(value) => value
             .as_f64()
             .filter(|number| number.is_finite())
-            .ok_or_else(|| quoted(value.to_string().as_bytes())),
+            .ok_or_else(|| NoNumber::Other(quoted(value.to_string().as_bytes()))),
     }
 }

@@ -14,7 +14,7 @@ use super::load::MeteredRead;
 use crate::base::escape;
 use crate::base::files;
 use crate::base::machine;
-use error::BadCell;
+use error::{BadCell, NoNumber};
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
@@ -43,6 +43,8 @@ struct Column {
     values: Vec<f64>,
     /// The first cell without a finite number.
     bad: Option<BadCell>,
+    /// The first one that does not say that its number is missing.
+    other: Option<BadCell>,
 }
 
 /// The formats of tables.
@@ -103,7 +105,7 @@ impl Table {
             let why = format!("{} columns; {MAX_COLUMNS} are the most", names.len());
             return Err(TableError::at_line(line, why));
         }
-        let column = |name| Column { name, values: Vec::new(), bad: None };
+        let column = |name| Column { name, values: Vec::new(), bad: None, other: None };
         Ok(Self { columns: names.into_iter().map(column).collect(), head: line, lines: Vec::new() })
     }
 
@@ -111,7 +113,7 @@ impl Table {
     fn push(
         &mut self,
         line: u64,
-        cells: impl IntoIterator<Item = Result<f64, String>>,
+        cells: impl IntoIterator<Item = Result<f64, NoNumber>>,
     ) -> Result<(), TableError> {
         if self.lines.len() == self.lines.capacity() {
             self.grow()?;
@@ -119,7 +121,12 @@ impl Table {
         self.lines.push(line);
         for (column, cell) in self.columns.iter_mut().zip(cells) {
             let value = cell.unwrap_or_else(|found| {
-                column.bad.get_or_insert(BadCell { line, found });
+                let (NoNumber::Missing(text) | NoNumber::Other(text)) = &found;
+                let bad = || BadCell { line, found: text.clone() };
+                column.bad.get_or_insert_with(bad);
+                if matches!(found, NoNumber::Other(_)) {
+                    column.other.get_or_insert_with(bad);
+                }
                 f64::NAN
             });
             column.values.push(value);
@@ -163,6 +170,21 @@ impl Table {
     /// # Errors
     /// If there is no such column, if there are several, or if a cell does not hold a finite number.
     pub fn column(&self, name: &str) -> Result<&[f64], TableError> {
+        let column = self.named(name)?;
+        column.bad.as_ref().map_or(Ok(&column.values), |bad| Err(column.error(bad)))
+    }
+
+    /// [`Table::column`] of a column that may lack numbers: NaN where a cell is empty, NaN, NA or null.
+    ///
+    /// # Errors
+    /// If there is no such column, if there are several, or if a cell holds anything else.
+    pub fn column_with_gaps(&self, name: &str) -> Result<&[f64], TableError> {
+        let column = self.named(name)?;
+        column.other.as_ref().map_or(Ok(&column.values), |bad| Err(column.error(bad)))
+    }
+
+    /// The one column of a name.
+    fn named(&self, name: &str) -> Result<&Column, TableError> {
         let mut named = self.columns.iter().filter(|column| column.name == name);
         let Some(column) = named.next() else {
             return Err(TableError::no_column(name, self.names()));
@@ -170,13 +192,14 @@ impl Table {
         if named.next().is_some() {
             return Err(TableError::at_line(self.head, format!("two columns are named {name:?}")));
         }
-        match &column.bad {
-            None => Ok(&column.values),
-            Some(BadCell { line, found }) => {
-                let why = format!("expected a finite number, found {found}");
-                Err(TableError { line: Some(*line), column: Some(name.to_owned()), why })
-            }
-        }
+        Ok(column)
+    }
+}
+
+impl Column {
+    fn error(&self, BadCell { line, found }: &BadCell) -> TableError {
+        let why = format!("expected a finite number, found {found}");
+        TableError { line: Some(*line), column: Some(self.name.clone()), why }
     }
 }
 
@@ -188,9 +211,19 @@ fn text_without_mark(line: &[u8]) -> Result<&[u8], TableError> {
     }
 }
 
-/// A finite number, or a quotation of something else.
-fn cell(text: &[u8]) -> Result<f64, String> {
+/// A finite number.
+fn cell(text: &[u8]) -> Result<f64, NoNumber> {
     let text = text.trim_ascii();
-    let number = super::lines::parsed::<f64>(text).filter(|number| number.is_finite());
-    number.ok_or_else(|| if text.is_empty() { "nothing".to_owned() } else { super::lines::quoted(text) })
+    let number = super::lines::parsed::<f64>(text);
+    if let Some(number) = number.filter(|number| number.is_finite()) {
+        return Ok(number);
+    }
+    // As spreadsheets, pandas, R and JSON write what is missing.
+    let says_so = ["na", "n/a", "null"].iter().any(|word| text.eq_ignore_ascii_case(word.as_bytes()));
+    let is_missing = says_so || number.is_some_and(f64::is_nan);
+    Err(match text {
+        [] => NoNumber::Missing("nothing".to_owned()),
+        _ if is_missing => NoNumber::Missing(super::lines::quoted(text)),
+        _ => NoNumber::Other(super::lines::quoted(text)),
+    })
 }

@@ -55,6 +55,22 @@ fn columns_that_nothing_uses_may_have_equal_names() {
     assert_eq!(error.to_string(), "line 1: two columns are named \"x\"");
 }
 
+/// What is missing is written in many ways; anything else is a mistake.
+#[test]
+fn columns_may_lack_numbers() {
+    let table = csv("t,a,b\n0,,1\n1,NaN,x\n2,na,2\n3,N/A,3\n4,null,4\n5,6,inf\n").expect("a table");
+    let gaps = table.column_with_gaps("a").expect("numbers");
+    assert!(gaps[..5].iter().all(|value| value.is_nan()) && gaps[5] == 6.0, "{gaps:?}");
+    let strict = table.column("a").expect_err("a fault").to_string();
+    assert_eq!(strict, "line 2, column \"a\": expected a finite number, found nothing");
+    let fault = table.column_with_gaps("b").expect_err("a fault").to_string();
+    assert_eq!(fault, "line 3, column \"b\": expected a finite number, found `x`");
+    let table = json("{\"a\": null, \"b\": \"NaN\"}\n{\"b\": 2}\n{\"a\": 3, \"b\": 1}\n").expect("a table");
+    let gaps = table.column_with_gaps("a").expect("numbers");
+    assert!(gaps[..2].iter().all(|value| value.is_nan()) && gaps[2] == 3.0, "{gaps:?}");
+    assert!(table.column_with_gaps("b").is_err());
+}
+
 #[test]
 fn rows_grow_past_the_first_ones() {
     let text: String = (0..3 * FIRST_ROWS).map(|row| format!("{row},\n")).collect();

@@ -64,6 +64,17 @@ fn a_map_may_have_one_name_that_looks_like_a_word() {
     assert_eq!(ron.trim_end(), expected);
 }
 
+/// Texts of JSON are never expressions, those of RON that begin with `=` are.
+#[test]
+fn texts_that_look_like_expressions_stay_texts() {
+    let json = r#"{"objects": {"=1+1": {"shape": {"Text": {"text": "=1+1"}}}, "=a \"": {"shape": "Group"},
+        "b": {"shape": {"Text": {"text": "=\"q\""}}, "parent": "=a \""},
+        "c": {"shape": {"Text": {"text": "\u003d2"}}}}, "output": {"caption": "=3", "files": ["=f.gif"]}}"#;
+    let ron = converted_to("a/b.json", json);
+    assert!(is_same(&sequence("a/b.ron", &ron), &sequence("a/b.json", json)), "{ron}");
+    assert!(ron.contains("r\"=1+1\"") && ron.contains("r\"=f.gif\""), "{ron}");
+}
+
 #[test]
 fn the_place_of_a_schema_is_ignored() {
     let json = r#"{"$schema": "./kinora.schema.json", "timeline": {"frames": 2}}"#;

@@ -1,5 +1,6 @@
 //! JSON as RON. [`json`](super::super::json) describes the forms.
 
+use super::super::expand::source::quoted_value;
 use super::super::fmt::tree::{Brackets, Document};
 use super::super::json;
 use super::super::source_file::Form;
@@ -21,6 +22,7 @@ impl Writer<'_> {
         match value {
             Value::Atom(atom) => match self.form(atom) {
                 Some(Form::Word) => json::name(atom).to_owned(),
+                _ if atom.starts_with("\"=") => no_expression(atom),
                 _ => (*atom).to_owned(),
             },
             Value::Brackets(brackets) if brackets.open == "{" => self.object(brackets),
@@ -83,6 +85,11 @@ impl Writer<'_> {
     fn form(&self, first: &str) -> Option<Form> {
         self.forms.get(&start_of(self.source, first)).copied()
     }
+}
+
+/// A text in quotes that RON would read as an expression, as the text that it is in JSON.
+fn no_expression(atom: &str) -> String {
+    ron::from_str::<String>(atom).map_or_else(|_| atom.to_owned(), |text| quoted_value(&text))
 }
 
 fn end_of(text: &str, part: &str) -> usize {

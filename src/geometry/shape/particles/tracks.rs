@@ -23,8 +23,10 @@ pub struct ParticleRows {
     pub id_of: Vec<f64>,
     /// The centre and the radius of each row.
     pub spheres: Vec<Sphere>,
-    /// Names and numbers of other columns.
+    /// Names and numbers of other columns. NaN stands for a missing number.
     pub columns: Vec<(String, Vec<f64>)>,
+    /// The names of columns that do not hold numbers, and why not.
+    pub unusable: Vec<(String, String)>,
 }
 
 /// Two rows of one particle have the same time.
@@ -40,6 +42,7 @@ pub struct ParticleTracks {
     time_of: Vec<u32>,
     spheres: Vec<Sphere>,
     columns: Vec<DataArray>,
+    unusable: Vec<(String, String)>,
     /// The end of each particle's rows; empty if every row is a particle.
     ends: Vec<u32>,
     /// A box around the particles at each time. Computed at the first call.
@@ -59,7 +62,7 @@ impl ParticleTracks {
     /// # Errors
     /// If a particle has two rows of one time.
     pub fn new(rows: ParticleRows) -> Result<Self, SameTime> {
-        let ParticleRows { times, mut time_of, id_of, mut spheres, mut columns } = rows;
+        let ParticleRows { times, mut time_of, id_of, mut spheres, mut columns, unusable } = rows;
         let mut ends = Vec::new();
         if !times.is_empty() {
             let mut order: Vec<u32> = (0..spheres.len() as u32).collect();
@@ -88,13 +91,13 @@ impl ParticleTracks {
             values: ArrayValues::from(values),
         };
         let columns = columns.into_iter().map(array).collect();
-        Ok(Self { times, time_of, spheres, columns, ends, boxes: OnceLock::new() })
+        Ok(Self { times, time_of, spheres, columns, unusable, ends, boxes: OnceLock::new() })
     }
 
     /// Spheres that do not move.
     pub fn still(spheres: Vec<Sphere>) -> Self {
-        let (times, time_of, columns, ends) = Default::default();
-        Self { times, time_of, spheres, columns, ends, boxes: OnceLock::new() }
+        let (times, time_of, columns, unusable, ends) = Default::default();
+        Self { times, time_of, spheres, columns, unusable, ends, boxes: OnceLock::new() }
     }
 
     /// Whether particles move, appear or vanish.
@@ -105,6 +108,11 @@ impl ParticleTracks {
     /// The columns that textures may read, with the numbers of all rows.
     pub fn columns(&self) -> &[DataArray] {
         &self.columns
+    }
+
+    /// Why a column of the table cannot be read by textures, if it has another content than numbers.
+    pub fn unusable(&self, name: &str) -> Option<&str> {
+        self.unusable.iter().find(|(known, _)| known == name).map(|(_, why)| why.as_str())
     }
 
     /// The index of the column with these numbers.
@@ -247,6 +255,7 @@ mod tests {
             id_of: rows.iter().map(|row| row.1).collect(),
             spheres: rows.iter().map(|row| at(row.2)).collect(),
             columns: vec![("heat".to_owned(), rows.iter().map(|row| 10.0 * row.2).collect())],
+            unusable: Vec::new(),
         };
         ParticleTracks::new(rows).map(Arc::new)
     }
