@@ -189,7 +189,7 @@ impl Film {
         })
     }
 
-    fn pixel(&self, pixel: usize) -> &[Rgb] {
+    pub(crate) fn pixel(&self, pixel: usize) -> &[Rgb] {
         &self.data[pixel * self.layers()..][..self.layers()]
     }
 

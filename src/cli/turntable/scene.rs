@@ -10,6 +10,9 @@ use std::fmt::Write;
 /// Colours of parts without their own, one after the other.
 const COLORS: [&str; 6] = ["#8fa3b8", "#d9834a", "#5b8fb0", "#d8b34c", "#7fa66b", "#a87f9f"];
 
+/// Samples of a pixel where something is random.
+const ROUGH_SAMPLES: u32 = 16;
+
 /// What a sequence is written of.
 pub struct Scene<'a> {
     pub parts: &'a [Part],
@@ -28,6 +31,9 @@ impl Scene<'_> {
         let Self { frames, rate, size: (width, height), bounces, antialias, .. } = self;
         let files: Vec<String> = self.files.iter().map(|file| quoted_value(file)).collect();
         let files = files.join(", ");
+        // The rough surfaces of glTF are sampled at random; few samples do under lights that are even.
+        let is_rough = self.parts.iter().any(|part| part.is_scene);
+        let samples = if is_rough { format!(", samples: {ROUGH_SAMPLES}") } else { String::new() };
         let lights = self.lights();
         let (materials, objects) = (self.materials(), self.objects());
         format!(
@@ -36,7 +42,7 @@ impl Scene<'_> {
     timeline: (frames: {frames}, fps: "{rate}", keys: Frames),
     output: (size: ({width}, {height}), files: [{files}]),
     // `antialias: 3` smooths edges, in about nine times the time.
-    quality: (bounces: {bounces}, antialias: {antialias}),
+    quality: (bounces: {bounces}, antialias: {antialias}{samples}),
     background: "#e9ebee",
     // From this direction. The distance follows from the parts, which all frames show entirely.
     camera: (position: (0, 0.5, 1), projection: Perspective(fov: 28), frame: "turntable", margin: 0.1),

@@ -20,9 +20,11 @@ mod outliers;
 mod regression;
 #[cfg(test)]
 mod tests;
+mod trial;
 mod trust;
 
 pub use error::RemainingError;
+pub use trial::trial;
 
 use super::aov::GUIDES;
 use super::{AovSet, Film};

@@ -4,8 +4,8 @@ use crate::base::stats::ProgressMeter;
 use crate::film::denoise::{SampleFilms, denoise, samples_of_audit};
 use crate::film::{AovSet, Film, Noise};
 use crate::sampling::hash;
-use crate::sequence::quality::Quality;
-use crate::trace::{MIN_SAMPLES, TraceSettings, Weightings};
+use crate::sequence::quality::{NoiseTarget, Quality};
+use crate::trace::{AdaptiveFrame, MIN_SAMPLES, TraceSettings, Weightings};
 use std::ops::Range;
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -13,6 +13,10 @@ use std::sync::atomic::Ordering::Relaxed;
 /// each is traced once. With one, the number of samples is doubled, round by round: all samples so far become the first
 /// half. The last round is the one whose error is below the target with its whole interval: estimates of small frames
 /// scatter, and the first one below the target would be below it by chance.
+///
+/// That interval is as wide as the audits are few, and all pixels get the same samples, so samples alone may reach the
+/// target sooner, where they are needed. Every round compares what both ways would still take. If samples alone take less,
+/// the frame goes on as one that is not denoised, from the samples that it has.
 #[derive(Debug)]
 pub struct SampleSets {
     /// The films so far, in the order of [`PARTS`].
@@ -23,6 +27,18 @@ pub struct SampleSets {
     before: u32,
     /// What is traced now, as an index of `PARTS`.
     part: usize,
+    /// The rays of the picture's samples.
+    rays: u64,
+}
+
+/// What follows when a part of a frame has been traced.
+pub enum NextStep {
+    /// Another part.
+    Part(SampleSets),
+    /// Samples alone, in rounds, without the denoiser.
+    Samples(AdaptiveFrame),
+    /// Nothing: this is the film.
+    Done(Film),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +55,7 @@ const LATER: Range<usize> = 1..PARTS.len();
 impl SampleSets {
     pub fn new(quality: &Quality) -> Self {
         let picture = quality.noise.map_or(quality.samples, |target| target.most.min(MIN_SAMPLES));
-        Self { films: Vec::new(), picture: picture.next_multiple_of(2), before: 0, part: 0 }
+        Self { films: Vec::new(), picture: picture.next_multiple_of(2), before: 0, part: 0, rays: 0 }
     }
 
     /// The settings of the film that is traced now.
@@ -77,15 +93,18 @@ impl SampleSets {
         meter.passes.store(parts.len() as u32, Relaxed);
     }
 
-    /// Adds the film that was traced. The last one completes the frame, unless the target error asks for more samples:
-    /// the error holds for each of `weightings`.
+    /// Adds the film that was traced, with so many rays. The last one completes the frame, unless the target error asks for
+    /// more samples: the error holds for each of `weightings`.
     pub fn add(
-        &mut self,
-        film: Film,
+        mut self,
+        (film, rays): (Film, u64),
         quality: &Quality,
         weightings: &Weightings,
         meter: &ProgressMeter,
-    ) -> Option<Film> {
+    ) -> NextStep {
+        if let Part::Half(_) = PARTS[self.part] {
+            self.rays += rays;
+        }
         match (self.films.get_mut(self.part), PARTS[self.part]) {
             (None, _) => self.films.push(film),
             (Some(before), Part::Half(_)) => *before = film,
@@ -93,29 +112,85 @@ impl SampleSets {
         }
         self.part += 1;
         if self.part < PARTS.len() {
-            return None;
+            return NextStep::Part(self);
         }
         meter.pass.store(0, Relaxed);
         meter.passes.store(0, Relaxed);
-        let [first, second, a, b] = self.films.first_chunk()?;
-        let films = SampleFilms { halves: [first, second], audits: [a, b] };
-        let drawn = self.picture + 2 * samples_of_audit(self.picture);
-        let mut film = denoise(&films, f64::from(drawn));
-        let Some(target) = quality.noise else { return Some(film) };
-        let remaining = film.remaining.as_ref()?;
-        let noises: Vec<_> = weightings.iter().map(|weights| remaining.of(weights)).collect();
-        let is_reached = noises.iter().all(|noise| noise.high <= target.error);
-        let is_last = 2 * self.picture > target.most;
-        if !is_reached && !is_last && !meter.is_stopped() {
-            self.start_round();
-            return None;
+        let film = denoise(&self.films(), f64::from(self.drawn(self.picture)));
+        match quality.noise {
+            Some(target) => self.judge(film, target, quality.seed, weightings, meter),
+            None => NextStep::Done(film),
         }
-        if !is_reached && !is_last {
+    }
+
+    fn films(&self) -> SampleFilms<'_> {
+        // Complete rounds have all parts.
+        let [first, second, a, b] = [0, 1, 2, 3].map(|part| &self.films[part]);
+        SampleFilms { halves: [first, second], audits: [a, b] }
+    }
+
+    /// The samples per pixel of all films of a picture with so many.
+    fn drawn(&self, picture: u32) -> u32 {
+        picture + 2 * samples_of_audit(picture)
+    }
+
+    /// Ends a round of a frame with a target error: with the denoised film, another round, or samples alone.
+    fn judge(
+        mut self,
+        mut film: Film,
+        target: NoiseTarget,
+        seed: u32,
+        weightings: &Weightings,
+        meter: &ProgressMeter,
+    ) -> NextStep {
+        let noises: Vec<Noise> = match &film.remaining {
+            Some(remaining) => weightings.iter().map(|weights| remaining.of(weights)).collect(),
+            None => Vec::new(),
+        };
+        let highest = noises.iter().map(|noise| noise.high).fold(0.0, f64::max);
+        let is_reached = highest <= target.error;
+        let is_last = 2 * self.picture > target.most;
+        let mut is_enough = is_reached;
+        if !is_reached && !is_last && !meter.is_stopped() {
+            let mut samples = AdaptiveFrame::of_halves(
+                self.films().halves,
+                (self.picture, self.rays),
+                seed,
+                target,
+                weightings,
+            );
+            samples.settle(meter);
+            is_enough = samples.is_reached();
+            if !is_enough {
+                if samples.samples_left() < self.samples_left(highest / target.error, target.most) {
+                    return NextStep::Samples(samples);
+                }
+                self.start_round();
+                return NextStep::Part(self);
+            }
+            // Samples alone have reached the target. The denoised film is kept if it is at least as good.
+            let sampled = samples.film();
+            let worst = |noises: &[Noise]| noises.iter().map(|noise| noise.error).fold(0.0, f64::max);
+            if worst(&sampled.noises) < worst(&noises) {
+                return NextStep::Done(sampled);
+            }
+        }
+        if !is_enough && !is_last {
             meter.unfinished.store(true, Relaxed);
         }
-        let capped = if is_last && !is_reached { 1.0 } else { 0.0 };
+        let capped = if is_last && !is_enough { 1.0 } else { 0.0 };
         film.noises = noises.into_iter().map(|noise| Noise { capped, ..noise }).collect();
-        Some(film)
+        NextStep::Done(film)
+    }
+
+    /// The samples per pixel that rounds of all films would still take, if the upper end of the error is so many times the
+    /// target: it falls as the root of the samples.
+    fn samples_left(&self, ratio: f64, most: u32) -> f64 {
+        let (drawn, mut picture) = (f64::from(self.drawn(self.picture)), self.picture);
+        while f64::from(picture) < f64::from(self.picture) * ratio * ratio && picture <= most / 2 {
+            picture *= 2;
+        }
+        f64::from(self.drawn(picture)) - drawn
     }
 
     /// Begins a round that doubles the number of samples. Those of a film and those that it adds are equally many.

@@ -1,6 +1,6 @@
 //! Systems besides animation and extraction, and the resources that only they need.
 
-use super::sample_sets::SampleSets;
+use super::sample_sets::{NextStep, SampleSets};
 use crate::base::math::DVec3;
 use crate::base::stats::{Counts, ProgressMeter};
 use crate::camera::Camera;
@@ -154,10 +154,12 @@ pub struct FilmInProgress {
     film: Option<Film>,
     sums: Vec<DVec3>,
     pub kept: Option<Film>,
-    /// Samples of a frame of several moments that has not reached its target error yet.
+    /// Samples of a frame that has not reached its target error yet: of several moments, or no longer to be denoised.
     rounds: Option<AdaptiveFrame>,
     /// Samples of a frame that will be denoised.
     sets: Option<SampleSets>,
+    /// The rays of the part that is traced now, over its moments.
+    part_rays: u64,
 }
 
 impl FilmInProgress {
@@ -291,23 +293,34 @@ pub fn trace_frame(
         false => Weightings::clone(&request.weightings),
     };
     let (settings, mut sets) = (&settings.0, in_progress.sets.take());
-    if sets.is_none() && is_denoised(&scene, settings, current.0) {
+    if sets.is_none() && in_progress.rounds.is_none() && is_denoised(&scene, settings, current.0) {
         sets = Some(SampleSets::new(&settings.quality));
     }
     let of_set = sets.as_ref().map(|sets| sets.settings(settings));
     sets.iter().for_each(|sets| sets.show(&progress.0));
     let traced = of_set.as_ref().unwrap_or(settings);
     let (mut film, counts) = match current.0 {
-        Moment::ONLY => {
+        Moment::ONLY if in_progress.rounds.is_none() => {
             let (film, counts) = trace_weighted(&scene, &bvh.0, traced, &weightings, &progress.0);
             (Some(film), counts)
         }
         moment => in_progress.add_moment(&scene, &bvh.0, traced, (moment, &weightings), &progress.0),
     };
     stats.counts += counts;
-    if let Some(mut sets) = sets {
-        film = film.and_then(|film| sets.add(film, &settings.quality, &weightings, &progress.0));
-        in_progress.sets = film.is_none().then_some(sets);
+    if let Some(sets) = sets {
+        in_progress.part_rays += counts.rays.total();
+        let next = match film.take() {
+            Some(film) => {
+                let part = (film, std::mem::take(&mut in_progress.part_rays));
+                sets.add(part, &settings.quality, &weightings, &progress.0)
+            }
+            None => NextStep::Part(sets),
+        };
+        match next {
+            NextStep::Part(sets) => in_progress.sets = Some(sets),
+            NextStep::Samples(rounds) => in_progress.rounds = Some(rounds),
+            NextStep::Done(done) => film = Some(done),
+        }
     }
     let Some(film) = film else { return };
     let mut film = film.shown_as(request.own, &weights.0.0);

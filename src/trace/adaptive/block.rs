@@ -123,6 +123,26 @@ impl Block {
         (0..self.pixels()).map(move |index| (left + index % width, top + index / width))
     }
 
+    /// Takes samples that have been traced as two halves, with so many rays in all, as those of a round that is about to end.
+    /// `read` writes the layers of a place in one of the halves: means over its samples.
+    pub fn take_halves(&mut self, samples: u32, rays: u64, read: impl Fn((u32, u32), usize, &mut [DVec3])) {
+        let count = f64::from(samples / 2);
+        let places: Vec<_> = self.places().collect();
+        for (place, (first, all)) in places
+            .into_iter()
+            .zip(self.first.chunks_exact_mut(self.layers).zip(self.all.chunks_exact_mut(self.layers)))
+        {
+            read(place, 0, first);
+            read(place, 1, all);
+            for (first, all) in first.iter_mut().zip(all) {
+                *first *= count;
+                *all = *first + *all * count;
+            }
+        }
+        (self.drawn, self.before, self.next) = (samples / 2, samples / 2, Some(samples));
+        self.rays = rays;
+    }
+
     /// Starts a round that ends at `next` samples per pixel.
     pub fn start_round(&mut self, next: u32) {
         self.first.copy_from_slice(&self.all);

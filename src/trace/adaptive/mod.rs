@@ -89,7 +89,17 @@ impl AdaptiveFrame {
     /// A frame without samples. The weights of the scene decide which layers are traced; `shown` are the weightings of
     /// the film.
     pub fn new(scene: &Scene, settings: &TraceSettings, target: NoiseTarget, shown: &Weightings) -> Self {
-        let (size, layers) = (settings.size, scene.weights.clone());
+        let of_samples = (settings.quality.seed, target);
+        Self::of_layers(settings.size, scene.weights.clone(), of_samples, settings.aovs, shown)
+    }
+
+    fn of_layers(
+        size: (u32, u32),
+        layers: Weights,
+        (seed, target): (u32, NoiseTarget),
+        aovs: AovSet,
+        shown: &Weightings,
+    ) -> Self {
         let held: Vec<usize> = lit(&layers.0).map(|layer| layer.index()).collect();
         let weightings = shown.iter().map(|all| held.iter().map(|&layer| all[layer]).collect()).collect();
         let corners = (0..size.1).step_by(SIDE as usize);
@@ -97,11 +107,50 @@ impl AdaptiveFrame {
         let first = first_round(target.most);
         let block = |(left, top): (u32, u32)| {
             let places = (SIDE.min(size.0 - left), SIDE.min(size.1 - top));
-            Block::new((left, top), places, &held, layers.0.len() + settings.aovs.layers(), first)
+            Block::new((left, top), places, &held, layers.0.len() + aovs.layers(), first)
         };
-        let (seed, aovs) = (settings.quality.seed, settings.aovs);
         let (blocks, estimate) = (corners.map(block).collect(), ErrorEstimate::default());
         Self { size, seed, target, layers, weightings, aovs, blocks, estimate }
+    }
+
+    /// A frame whose pixels have `samples` samples, traced with `rays` rays as two films of one half each. It is ready to be
+    /// settled, and gives what a frame that began without samples would, but for the rounding of the films.
+    pub fn of_halves(
+        halves: [&Film; 2],
+        (samples, rays): (u32, u64),
+        seed: u32,
+        target: NoiseTarget,
+        shown: &Weightings,
+    ) -> Self {
+        let [film, _] = halves;
+        let (size, layers) = ((film.width, film.height), Weights(film.weights.clone()));
+        // Guides are the last layers, which frames without the denoiser do not have.
+        let aovs = AovSet { guides: false, ..film.aovs };
+        let mut frame = Self::of_layers(size, layers, (seed, target), aovs, shown);
+        let all = frame.layers.0.len();
+        let kept: Vec<usize> =
+            film.held.iter().map(|layer| layer.index()).chain(all..all + aovs.layers()).collect();
+        let pixels = f64::from(size.0) * f64::from(size.1);
+        frame.blocks.par_iter_mut().for_each(|block| {
+            let own = rays as f64 * f64::from(block.pixels()) / pixels;
+            block.take_halves(samples, own as u64, |(x, y), half, pixel| {
+                let light = halves[half].pixel(y as usize * size.0 as usize + x as usize);
+                kept.iter().zip(light).for_each(|(&layer, light)| pixel[layer] = light.as_dvec3());
+            });
+        });
+        frame
+    }
+
+    /// The samples per pixel that the frame will still take until it reaches its target, as a mean over the pixels, as far as
+    /// its samples show. Holds for a frame that is settled.
+    pub fn samples_left(&self) -> f64 {
+        let columns = self.size.0.div_ceil(SIDE) as usize;
+        allocation::samples_left(&self.blocks, &self.estimate, &self.target, columns)
+    }
+
+    /// Whether the samples so far reach the target.
+    pub fn is_reached(&self) -> bool {
+        self.estimate.worst().1 <= self.target.error * self.target.error
     }
 
     /// Traces the samples of this round that belong to this moment, in all open blocks.

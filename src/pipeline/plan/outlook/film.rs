@@ -1,7 +1,8 @@
 //! Time and error of one film, measured by a pilot, and the forecast for any quality.
 
 use crate::base::clock::ElapsedTime;
-use crate::sequence::quality::{NoiseTarget, Quality};
+use crate::film::denoise::samples_of_audit;
+use crate::sequence::quality::{Denoise, NoiseTarget, Quality};
 use crate::trace::{MIN_SAMPLES, first_round};
 use std::f64::consts::SQRT_2;
 
@@ -18,6 +19,8 @@ pub struct PilotFilm {
     /// Mean time of one sample of a pixel, and the mean number of its rays, including the camera ray.
     pub sample: ElapsedTime,
     pub rays: f64,
+    /// Time to denoise a pixel once; zero if frames are not denoised.
+    pub filter: ElapsedTime,
     /// None if samples form a regular grid.
     pub noise: Option<FilmNoise>,
 }
@@ -117,14 +120,29 @@ impl PilotFilm {
             None => {
                 let samples = f64::from(quality.samples);
                 let error = Some(noise.even(samples, uncertainty).sqrt());
-                FilmForecast { error, ..self.with(samples, samples, 1.0, uncertainty) }
+                let drawn = samples + audits(quality, quality.samples);
+                self.filtered(FilmForecast { error, ..self.with(drawn, drawn, 1.0, uncertainty) })
             }
-            Some(target) => self.until(noise, target, uncertainty),
+            Some(target) => {
+                // Samples alone, if the first round shows that the denoiser would take longer. Its audits are lost then.
+                let lost = audits(quality, MIN_SAMPLES.min(target.most));
+                self.filtered(self.until(noise, (target, lost), uncertainty))
+            }
         }
     }
 
-    /// Forecast for a target error.
-    fn until(&self, noise: &FilmNoise, target: &NoiseTarget, uncertainty: Uncertainty) -> FilmForecast {
+    /// The forecast with the time of denoising the film once.
+    fn filtered(&self, forecast: FilmForecast) -> FilmForecast {
+        FilmForecast { took: forecast.took + self.filter * self.pixels, ..forecast }
+    }
+
+    /// Forecast for a target error, with so many samples per pixel that have no part in it.
+    fn until(
+        &self,
+        noise: &FilmNoise,
+        (target, lost): (&NoiseTarget, f64),
+        uncertainty: Uncertainty,
+    ) -> FilmForecast {
         let Allocated { samples, work, most, square } = noise.allocated(target, uncertainty);
         // If something moves, every round of samples visits all moments again.
         let first = f64::from(first_round(target.most));
@@ -132,7 +150,7 @@ impl PilotFilm {
         FilmForecast {
             error: Some(square.sqrt()),
             missed: square > target.error * target.error,
-            ..self.with(samples, work, rounds, uncertainty)
+            ..self.with(samples + lost, work + lost, rounds, uncertainty)
         }
     }
 
@@ -159,6 +177,11 @@ struct Allocated {
     most: f64,
     /// Squared error.
     square: f64,
+}
+
+/// The samples per pixel that show the error of a denoised picture.
+fn audits(quality: &Quality, picture: u32) -> f64 {
+    if quality.denoise == Denoise::Off { 0.0 } else { f64::from(2 * samples_of_audit(picture)) }
 }
 
 impl FilmNoise {
@@ -270,7 +293,17 @@ mod tests {
         let blocks = vec![block(0.001), block(0.009)];
         let noise = FilmNoise { samples: 100.0, blocks, power, spread: 0.0, whole_spread: 0.0 };
         let (prepare, sample) = (ElapsedTime { wall: 1.0, cpu: None }, ElapsedTime { wall: 1e-6, cpu: None });
-        PilotFilm { place: 0, pixels: 1e6, moments: 1, prepare, sample, rays: 1.0, noise: Some(noise) }
+        let filter = ElapsedTime::ZERO;
+        PilotFilm {
+            place: 0,
+            pixels: 1e6,
+            moments: 1,
+            prepare,
+            sample,
+            rays: 1.0,
+            filter,
+            noise: Some(noise),
+        }
     }
 
     fn forecast(film: &PilotFilm, samples: u32, noise: Option<(f64, u32)>) -> FilmForecast {

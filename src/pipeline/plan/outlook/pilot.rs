@@ -5,13 +5,14 @@ use super::passes::Passes;
 use super::run_forecast::Outlook;
 use crate::base::clock::{ElapsedTime, TimeSource, timed};
 use crate::base::color::Rgb;
-use crate::film::AovSet;
+use crate::film::{AovSet, denoise};
 use crate::pipeline::plan::path_shares::{ShareTrials, path_shares};
 use crate::pipeline::plan::ray_estimate::PilotBudget;
 use crate::pipeline::plan::render_plan::Plan;
 use crate::pipeline::plan::shared_films::SharedFilm;
 use crate::pipeline::schedule::{PassCost, Prober};
 use crate::sequence::Sequence;
+use crate::sequence::quality::Denoise;
 use crate::trace::PilotBlocks;
 use std::cmp::Reverse;
 use std::ops::Range;
@@ -60,8 +61,14 @@ pub fn run_pilot(
     let states = &plan.states.frames;
     let random: Vec<bool> = plan.films.iter().map(|shared| states[shared.frames[0]].random).collect();
     let kinds = [spread(&random, true), spread(&random, false)];
-    let mut run =
-        PilotRun { sequence, plan, spent: ElapsedTime::ZERO, prober: Prober::new(sequence, aovs, clock) };
+    let mut run = PilotRun {
+        sequence,
+        plan,
+        spent: ElapsedTime::ZERO,
+        prober: Prober::new(sequence, aovs, clock),
+        clock,
+        filters: Vec::new(),
+    };
     let few = ProbeBudget { blocks: BLOCKS * rayon::current_num_threads(), seconds: 0.0 };
     let outlook = |mut pilots: Vec<PilotFilm>, shares: &[f64], spent: ElapsedTime| {
         pilots.sort_by_key(|pilot| pilot.place);
@@ -157,6 +164,9 @@ struct PilotRun<'a> {
     plan: &'a Plan,
     prober: Prober,
     spent: ElapsedTime,
+    clock: TimeSource,
+    /// Times to denoise a pixel, by the number of layers of light.
+    filters: Vec<(usize, ElapsedTime)>,
 }
 
 impl PilotRun<'_> {
@@ -173,11 +183,15 @@ impl PilotRun<'_> {
             prepare: ElapsedTime::ZERO,
             sample: ElapsedTime::ZERO,
             rays: 1.0,
+            filter: ElapsedTime::ZERO,
             noise: None,
         };
         let pixels = probe.pixels() as f64;
         if state.random {
             self.random(&mut pilot, shared, &mut probe, budget.seconds)?;
+            if self.sequence.quality.denoise != Denoise::Off {
+                pilot.filter = self.filter(shared.lit.len());
+            }
         } else {
             let grid = self.sequence.quality.antialias.pow(2);
             // The first run is slower, because caches are cold.
@@ -191,6 +205,19 @@ impl PilotRun<'_> {
         let parts = f64::from(state.parts());
         (pilot.sample, pilot.rays) = (pilot.sample * parts, pilot.rays * parts);
         Some(pilot)
+    }
+
+    /// The time to denoise a pixel of a film with so many layers of light.
+    fn filter(&mut self, layers: usize) -> ElapsedTime {
+        if let Some((_, time)) = self.filters.iter().find(|(known, _)| *known == layers) {
+            return *time;
+        }
+        let (pixels, took) = timed(|| denoise::trial(layers));
+        let took = self.clock.elapsed(took, 0);
+        self.spent = self.spent + took;
+        let time = took * (1.0 / pixels as f64);
+        self.filters.push((layers, time));
+        time
     }
 
     /// Probes random samples. Each pass doubles their number.
