@@ -87,7 +87,7 @@ counts! {
         still_work,
         retraced_work,
         alone_work,
-        /// Tests of segments with movers that have trees of their own, such as meshes.
+        /// Searches of movers with many parts, such as meshes, along segments.
         tests,
     }
 }

@@ -5,10 +5,13 @@
 
 use super::{Finish, Geometry, Primitive, Scene, Shading};
 use crate::base::color::Rgb;
-use crate::base::lanes::{Level, SimdKernel};
-use crate::geometry::bvh::{LeafPrimitives, LeafVisitor, Slabs, Stack, TraversalRay, Tree};
+use crate::base::lanes::{LaneKernel, Level, Mask, Row, Select, SimdKernel, lanes};
+use crate::geometry::bvh::{
+    BundleSlabs, BundleStack, BundleVisitor, LeafPrimitives, LeafVisitor, NodeRef, Slabs, Stack,
+    TraversalRay, Tree,
+};
 use crate::geometry::ray_kinds::RayKind;
-use crate::geometry::shape::RayInterval;
+use crate::geometry::shape::{PreparedRay, RayInterval, Shape};
 
 /// A set of up to 64 frames, one bit each.
 pub type FrameMask = u64;
@@ -73,7 +76,7 @@ struct Mover<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct FramesMet {
     pub frames: FrameMask,
-    /// The number of tests with movers that have trees of their own.
+    /// The number of searches of movers with many parts.
     pub tests: u32,
 }
 
@@ -112,6 +115,171 @@ impl<'a> Movers<'a> {
             Some(movers) => movers.frames_met::<L>(segment, known, stack),
             None => known,
         }
+    }
+}
+
+/// Up to eight segments, which are tested alike.
+#[derive(Clone, Copy)]
+pub struct LaneSegments<'a, L: Level> {
+    pub ray: &'a PreparedRay<L::F64>,
+    pub within: RayInterval<L::F64>,
+    pub test: MoverTest,
+    /// What sees a mover, for each ray.
+    pub kinds: &'a [RayKind; 8],
+    /// The rays that count, one bit each.
+    pub wanted: u32,
+    /// All frames: a ray that meets a mover in each of them needs no further tests.
+    pub all: FrameMask,
+}
+
+/// The stacks of searches for movers.
+#[derive(Default)]
+pub struct MoverStacks {
+    pub single: Stack,
+    bundle: BundleStack,
+}
+
+impl Movers<'_> {
+    /// Whether no frame has several moments, so that segments of all samples meet the same movers.
+    pub fn are_always(&self) -> bool {
+        self.moments.is_empty()
+    }
+
+    /// [`Movers::frames_met`] of eight segments, if [all movers are always there](Movers::are_always). Adds the frames to
+    /// those that are known. Returns the number of searches of movers with many parts.
+    #[inline(always)]
+    pub fn frames_met_in_lanes<L: Level>(
+        &self,
+        segments: LaneSegments<L>,
+        known: &mut [FrameMask; 8],
+        stacks: &mut MoverStacks,
+    ) -> u32 {
+        let movers = &self.always;
+        L::call_with(LaneTreeSearch::<L> { movers, segments, known, stacks })
+    }
+}
+
+/// A search of a whole tree along eight segments.
+struct LaneTreeSearch<'a, 's, L: Level> {
+    movers: &'a MoverTree<'a>,
+    segments: LaneSegments<'a, L>,
+    known: &'s mut [FrameMask; 8],
+    stacks: &'s mut MoverStacks,
+}
+
+impl<L: Level> LaneKernel<L> for LaneTreeSearch<'_, '_, L> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run(self) -> u32 {
+        let Self { movers, segments, known, stacks } = self;
+        let LaneSegments { ray, within, test, kinds, wanted, .. } = segments;
+        let (slabs, near, afar) =
+            BundleSlabs::<L>::new(&movers.tree, ray.ray.origin, ray.ray.direction, wanted);
+        let open = L::F64::select(L::Mask::from_bits(wanted), within.max, L::F64::splat(-1.0));
+        let mut search = LaneSearch { movers, segments, met: *known, limit: slabs.limit(open), tests: 0 };
+        for index in movers.bounded..movers.all.len() {
+            search.test(&[index as u32], wanted);
+        }
+        if near != 0 {
+            movers.tree.walk_bundle(&slabs, near, &mut search, &mut stacks.bundle);
+        }
+        let LaneSearch { mut met, mut tests, .. } = search;
+        let [min, max] = [within.min.to_array(), within.max.to_array()];
+        for lane in lanes(afar) {
+            let single = TraversalRay::new(ray.ray.lane(lane));
+            let within = RayInterval { min: min[lane], max: max[lane] };
+            let segment = Segment { ray: &single, within, test: (test, kinds[lane]) };
+            let known = FramesMet { frames: met[lane], tests: 0 };
+            let found = movers.frames_met::<L::Narrow>(segment, known, &mut stacks.single);
+            met[lane] = found.frames;
+            tests += found.tests;
+        }
+        *known = met;
+        tests
+    }
+}
+
+/// The frames in which eight segments meet movers.
+struct LaneSearch<'a, L: Level> {
+    movers: &'a MoverTree<'a>,
+    segments: LaneSegments<'a, L>,
+    met: [FrameMask; 8],
+    /// Below 0 for rays that meet movers in all frames.
+    limit: L::F32,
+    tests: u32,
+}
+
+impl<L: Level> LaneSearch<'_, L> {
+    #[inline(always)]
+    fn test(&mut self, indices: &[u32], rays: u32) {
+        if !indices.is_empty() {
+            L::call_with(LaneTest { search: self, indices, rays });
+        }
+    }
+
+    #[inline(always)]
+    fn test_one(&mut self, index: u32, rays: u32) {
+        let Mover { primitive, frames } = &self.movers.all[index as usize];
+        let LaneSegments { ray, within, test, kinds, all, .. } = self.segments;
+        let mut wanted = 0;
+        for lane in lanes(rays) {
+            let is_open = frames & !self.met[lane] != 0 && primitive.rays.has(kinds[lane]);
+            wanted |= u32::from(is_open) << lane;
+        }
+        if wanted == 0 {
+            return;
+        }
+        let mask = L::Mask::from_bits(wanted);
+        let within =
+            RayInterval { min: within.min, max: L::F64::select(mask, within.max, L::F64::splat(-1.0)) };
+        let met = match test {
+            MoverTest::Hit => primitive.intersect(ray, within).is_hit(),
+            MoverTest::Block => primitive.occludes(ray, within),
+            MoverTest::Bounds => mask,
+        };
+        self.tests += wanted.count_ones() * searches(primitive, test);
+        let mut full = 0;
+        for lane in lanes((met & mask).bits()) {
+            self.met[lane] |= frames;
+            full |= u32::from(self.met[lane] == all) << lane;
+        }
+        if full != 0 {
+            self.limit = L::F32::select(L::Mask::from_bits(full), L::F32::splat(-1.0), self.limit);
+        }
+    }
+}
+
+impl<L: Level> BundleVisitor<L> for LaneSearch<'_, L> {
+    const ALONE: bool = false;
+
+    #[inline(always)]
+    fn visit(&mut self, leaf: u32, rays: u32) {
+        self.test(self.movers.leaves.leaf(leaf), rays);
+    }
+
+    #[inline(always)]
+    fn continue_alone(&mut self, _: usize, _: NodeRef) {}
+
+    #[inline(always)]
+    fn limit(&self) -> L::F32 {
+        self.limit
+    }
+}
+
+/// Tests of some movers. Like those of single rays, they are a function of their own.
+struct LaneTest<'s, 'a, L: Level> {
+    search: &'s mut LaneSearch<'a, L>,
+    indices: &'s [u32],
+    rays: u32,
+}
+
+impl<L: Level> LaneKernel<L> for LaneTest<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.indices.iter().for_each(|&index| self.search.test_one(index, self.rays));
     }
 }
 
@@ -170,6 +338,16 @@ pub enum MoverTest {
     Bounds,
 }
 
+/// How many searches of a shape with many parts a test takes, as the work of one for each part of a solid. Tests of other
+/// shapes take next to nothing.
+fn searches(primitive: &Primitive, test: MoverTest) -> u32 {
+    match (&primitive.shape, test) {
+        (_, MoverTest::Bounds) => 0,
+        (Shape::Solid(solid), _) => solid.parts().len() as u32,
+        (shape, _) => u32::from(shape.has_tree()),
+    }
+}
+
 /// A ray within bounds, and the test by which movers count.
 #[derive(Clone, Copy)]
 struct Segment<'a> {
@@ -216,8 +394,7 @@ impl Search<'_> {
         if mover.frames & !self.met.frames == 0 || !mover.primitive.rays.has(kind) {
             return;
         }
-        let searches = test != MoverTest::Bounds && mover.primitive.shape.has_tree();
-        self.met.tests += u32::from(searches);
+        self.met.tests += searches(mover.primitive, test);
         if L::call(Meets { mover, segment: self.segment }) {
             self.met.frames |= mover.frames;
         }

@@ -10,10 +10,10 @@ use super::light::ShadowRay;
 use super::stream::PathStream;
 use crate::base::lanes::{Level, Lookup, Mask, Row, SimdKernel, lanes};
 use crate::base::math::{DVec3, Ray};
-use crate::geometry::bvh::{Stack, TraversalRay};
+use crate::geometry::bvh::TraversalRay;
 use crate::geometry::ray_kinds::RayKind;
-use crate::geometry::shape::{RayInterval, StoredRays};
-use crate::scene::movers::{FrameMask, MoverTest, Movers};
+use crate::geometry::shape::{PreparedRay, RayInterval, StoredRays};
+use crate::scene::movers::{FrameMask, LaneSegments, MoverStacks, MoverTest, Movers};
 use crate::scene::top_level::NOTHING;
 
 /// The marks of the samples of a wave.
@@ -27,9 +27,9 @@ pub struct Marks {
     pub all: FrameMask,
     /// The number of segments that hit nothing.
     pub misses: u64,
-    /// The number of tests with movers that have trees of their own.
+    /// The number of searches of movers with many parts.
     pub tests: u64,
-    stack: Stack,
+    stacks: MoverStacks,
 }
 
 impl Marks {
@@ -59,9 +59,33 @@ impl Marks {
     ) {
         let slot = slot as usize;
         let state = (self.frames[slot], self.moments[slot]);
-        let met = movers.frames_met::<L>(ray, within, test, state, &mut self.stack);
+        let met = movers.frames_met::<L>(ray, within, test, state, &mut self.stacks.single);
         self.frames[slot] = met.frames;
         self.tests += u64::from(met.tests);
+    }
+
+    /// Marks samples by eight of their segments, of which those count whose bits are set.
+    #[inline(always)]
+    fn mark_lanes<L: Level>(
+        &mut self,
+        movers: &Movers,
+        (ray, within): (&PreparedRay<L::F64>, RayInterval<L::F64>),
+        (slots, active): (&[u32; 8], u32),
+        (test, kinds): (MoverTest, &[RayKind; 8]),
+    ) {
+        let mut known = [0; 8];
+        let mut wanted = 0;
+        for lane in lanes(active) {
+            known[lane] = self.frames[slots[lane] as usize];
+            wanted |= u32::from(known[lane] != self.all) << lane;
+        }
+        if wanted == 0 {
+            return;
+        }
+        let segments = LaneSegments::<L> { ray, within, test, kinds, wanted, all: self.all };
+        self.tests += u64::from(movers.frames_met_in_lanes(segments, &mut known, &mut self.stacks));
+        // Several paths may be of one sample.
+        lanes(wanted).for_each(|lane| self.frames[slots[lane] as usize] |= known[lane]);
     }
 
     /// Marks samples by their shadow rays in the lanes of two masks: rays that nothing blocks, and rays that pass
@@ -75,8 +99,18 @@ impl Marks {
         (open, dimmed): (L::Mask, L::Mask),
     ) {
         let (slots, t_max) = (slots.to_array(), shadow.t_max.to_array());
+        let mut alone = open | dimmed;
+        if movers.are_always() {
+            let (ray, within) = (PreparedRay::new(shadow.ray), RayInterval::up_to(shadow.t_max));
+            let test = (MoverTest::Block, &[RayKind::Shadow; 8]);
+            self.mark_lanes::<L>(movers, (&ray, within), (&slots, (open & !dimmed).bits()), test);
+            alone = dimmed;
+        }
+        if !alone.any() {
+            return;
+        }
         let rays = StoredRays::of(&shadow.ray);
-        for lane in lanes((open | dimmed).bits()) {
+        for lane in lanes(alone.bits()) {
             if !self.is_full(slots[lane]) {
                 let passes = dimmed.bits() >> lane & 1 == 1;
                 let test = if passes { MoverTest::Bounds } else { MoverTest::Block };
@@ -101,10 +135,15 @@ impl SimdKernel for MarkSegments<'_> {
 
     #[inline(always)]
     fn run<L: Level>(mut self) {
-        for index in 0..self.paths.len() as u32 {
-            let (primitive, t) = (self.hits.primitive[index as usize], self.hits.t[index as usize]);
-            self.marks.misses += u64::from(primitive == NOTHING);
-            self.mark::<L>(index, (primitive != NOTHING).then_some(t), MoverTest::Hit);
+        let missed = self.hits.primitive[..self.paths.len()].iter().filter(|hit| **hit == NOTHING);
+        self.marks.misses += missed.count() as u64;
+        if self.movers.are_always() {
+            (0..self.paths.len()).step_by(8).for_each(|first| self.mark_eight::<L>(first));
+        } else {
+            for index in 0..self.paths.len() as u32 {
+                let (primitive, t) = (self.hits.primitive[index as usize], self.hits.t[index as usize]);
+                self.mark::<L>(index, (primitive != NOTHING).then_some(t), MoverTest::Hit);
+            }
         }
         // Where surfaces may coincide, other hits along the ray count too.
         for &index in self.hits.close() {
@@ -114,6 +153,32 @@ impl SimdKernel for MarkSegments<'_> {
 }
 
 impl MarkSegments<'_> {
+    /// Marks the samples of the paths from `first` on, at most eight, by their segments.
+    #[inline(always)]
+    fn mark_eight<L: Level>(&mut self, first: usize) {
+        let Self { context, movers, paths, hits, .. } = *self;
+        let count = (paths.len() - first).min(8);
+        let at = Lookup::run(first as u32, count);
+        let ray = PreparedRay::new(paths.ray::<L::F64>(&at));
+        let (mut t, mut slots, mut kinds) = ([0.0; 8], [0; 8], [RayKind::Camera; 8]);
+        for lane in 0..count {
+            let index = first + lane;
+            (t[lane], slots[lane], kinds[lane]) =
+                (hits.t[index], paths.slot(index as u32), paths.ray_kind(index));
+        }
+        // A mover behind the hit counts if it may coincide with it.
+        let range = ray.coincidence_range(context.bvh.reach());
+        let mut max = range.end(L::F64::from_array(t)).to_array().map(f64::next_up);
+        for lane in 0..count {
+            if hits.primitive[first + lane] == NOTHING {
+                max[lane] = f64::INFINITY;
+            }
+        }
+        let within = RayInterval { min: paths.t_start::<L::F64>(&at), max: L::F64::from_array(max) };
+        let (active, test) = (0xff >> (8 - count), (MoverTest::Hit, &kinds));
+        self.marks.mark_lanes::<L>(movers, (&ray, within), (&slots, active), test);
+    }
+
     /// Marks the sample of a path by the segment up to its hit, if it has one.
     #[inline(always)]
     fn mark<L: Level>(&mut self, index: u32, hit: Option<f64>, test: MoverTest) {

@@ -98,15 +98,20 @@ fn share(
     while alone + 1 < films {
         let lit: Vec<LayerId> = Plan::lit(&shared[alone..]);
         let few = &states[alone..films.min(alone + trials.films)];
-        let Ok(group) = frames.trace_together(few, &lit, plan.scenes_budget()) else { break };
+        let Ok(group) = frames.trace_together(few, &lit, plan.scenes_budget(), &mut |_, _| Ok(())) else {
+            break;
+        };
         obstacle = obstacle.or(group.end);
-        if !group.films.is_empty() {
+        if group.films > 0 {
             // The films that were tried stand for more, unless something ended them.
-            let (counts, traced) = (frames.stats().counts, group.films.len());
+            let (counts, traced) = (frames.stats().counts, group.films);
             let more = if traced < few.len() { traced } else { (films - alone).min(MAX_FRAMES) };
             let share = match sharing_would_pay(&counts, more as f64 / traced as f64) {
                 // Every path once for all, and the same share of each film again.
-                true => again(&counts.paths) + 1.0 / more as f64,
+                true => {
+                    let once = 1.0 - counts.paths.whole as f64 / counts.paths.all.max(1) as f64;
+                    again(&counts.paths) + once / more as f64
+                }
                 false => 1.0,
             };
             let all = (alone as f64 + share * (films - alone) as f64) / films as f64;
@@ -118,7 +123,7 @@ fn share(
     (1.0, obstacle)
 }
 
-/// The share of the paths of a film that are traced again.
+/// The share of the paths of a film that are traced for it alone.
 fn again(paths: &SharedPaths) -> f64 {
-    paths.retraced as f64 / (paths.all - paths.whole).max(1) as f64
+    (paths.retraced + paths.whole) as f64 / paths.all.max(1) as f64
 }

@@ -230,11 +230,16 @@ impl<S: FilmSink> FrameLoop<S> {
     /// Records films that were traced together since `start`. Returns them; none if the run was stopped.
     pub(super) fn recorded(&mut self, traced: Option<(Vec<Film>, Counts)>, start: Instant) -> Vec<Film> {
         let Some((films, counts)) = traced else { return Vec::new() };
+        self.record(films.len() as u32, counts, start);
+        films
+    }
+
+    /// Records the work of tracing some films since `start`.
+    pub(super) fn record(&mut self, films: u32, counts: Counts, start: Instant) {
         let mut stats = self.world.resource_mut::<Stats>();
         stats.counts += counts;
-        stats.traced += films.len() as u32;
+        stats.traced += films;
         stats.stages[FrameStage::Trace as usize] += start.elapsed();
-        films
     }
 
     /// Pushes a frame's film, which was traced together with other films.

@@ -59,11 +59,14 @@ const BYTES_PER_MATERIAL: usize = size_of::<Material>() + (1 << 8);
 const BYTES_PER_TEXTURE: usize = size_of::<(Vec<TextureSlot>, Texture)>() + (1 << 5);
 const BYTES_PER_LIGHT: usize = size_of::<Light>() + (1 << 8);
 
-/// Films of frames that were traced together, from the first one of those that were asked for on.
+/// A receiver of films that are traced together, in their order.
+pub type TakeFilm<'t, S> = dyn FnMut(&mut FrameLoop<S>, Film) -> Result<(), FrameError> + 't;
+
+/// What came of frames that were traced together, from the first one of those that were asked for on.
 #[derive(Default)]
 pub struct PathGroup {
-    /// At least two, or none: then nothing was traced.
-    pub films: Vec<Film>,
+    /// The number of their films.
+    pub films: usize,
     /// Why the next frame was not traced with them. None if there is no next frame.
     pub end: Option<PathObstacle>,
     /// Whether they were less work than each alone.
@@ -80,29 +83,36 @@ pub fn weights_of(state: &FrameState, lit: &[LayerId]) -> Weights {
 #[warn(missing_docs)]
 impl<S: FilmSink> FrameLoop<S> {
     /// Traces films of these frames together, with the layers `lit`: as many from the first on as can share paths within
-    /// `budget` bytes for copies of their scenes. The frames must have the same
-    /// [surroundings](FrameState::surroundings). There are no films if the run is stopped.
+    /// `budget` bytes for copies of their scenes: two or more, or none. The frames must have the same
+    /// [surroundings](FrameState::surroundings). Each film is passed to `take` as soon as it is complete, so that it can be
+    /// encoded while others are traced. If the run is stopped, further films are left out.
     pub fn trace_together(
         &mut self,
         states: &[&FrameState],
         lit: &[LayerId],
         budget: u64,
+        take: &mut TakeFilm<'_, S>,
     ) -> Result<PathGroup, FrameError> {
         let Some(first) = states.first() else { return Ok(PathGroup::default()) };
         self.faded.clear();
         let weights = weights_of(first, lit);
         let (snapshots, end) = self.without_tracing(|frames| frames.snapshots(states, &weights, budget))?;
         if snapshots.last().is_none_or(|last| last.frame == 0) {
-            return Ok(PathGroup { films: Vec::new(), end, pays: false });
+            return Ok(PathGroup { films: 0, end, pays: false });
         }
         let _span = tracing::info_span!("trace together", first = first.frame).entered();
-        let start = Instant::now();
-        let settings = &self.world.resource::<RenderSettings>().0;
+        let settings = self.world.resource::<RenderSettings>().0.clone();
         let poses: Vec<FramePose> = snapshots.iter().map(|snapshot| snapshot.pose(&weights)).collect();
         let meter = Arc::clone(&self.world.resource::<RunProgress>().0);
-        let traced = SharedFrames::new(&poses, settings).trace(&meter);
-        let pays = traced.as_ref().is_some_and(|(_, counts)| sharing_pays(counts));
-        Ok(PathGroup { films: self.recorded(traced, start), end, pays })
+        let (mut start, mut films) = (Instant::now(), 0);
+        let traced = SharedFrames::new(&poses, &settings).trace(&meter, &mut |film, counts| {
+            self.record(1, counts, start);
+            films += 1;
+            let taken = take(self, film);
+            start = Instant::now();
+            taken
+        })?;
+        Ok(PathGroup { films, end, pays: traced.is_some_and(|counts| sharing_pays(&counts)) })
     }
 
     /// Snapshots of all moments of the first frames that can share paths, and why the next frame cannot.

@@ -11,10 +11,10 @@ const HIT: u64 = 8;
 const MISS: u64 = 1;
 /// A shadow ray.
 const SHADOW: u64 = 4;
-/// A test of a segment with a mover that has a tree of its own: the search of a single ray.
+/// A search of a mover with many parts along a segment: that of a ray in a bundle.
 const TEST: u64 = 4;
 
-/// Below this gain, frames are not traced together. It pays for what is not counted: tests of movers without trees, and
+/// Below this gain, frames are not traced together. It pays for what is not counted: tests of simple movers, and
 /// the marks of samples.
 const MIN_GAIN: f64 = 1.2;
 

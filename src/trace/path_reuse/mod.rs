@@ -5,6 +5,9 @@
 //! has the same light, bit by bit. Every frame sums the light of its samples in the order in which it would sum them if
 //! it were traced alone.
 //!
+//! Where movers are seen or cast shadows in most frames, that is more work than tracing each frame alone. So each tile of the
+//! picture is traced together only as far as it pays there.
+//!
 //! In: the scenes of the frames, one for each moment of a shutter. Out: the films of all frames.
 
 mod gain;
@@ -29,15 +32,13 @@ use crate::scene::top_level::Bvh;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use tile::{Limits, TileTracer};
+use tile::{Limits, SharedPart, TileTracer, in_order};
 
 /// The most frames that are traced together.
 pub const MAX_FRAMES: usize = FrameMask::BITS as usize;
 
-/// Tiles after which the gain is measured first: where sharing does not pay, they are traced in vain.
-const FIRST: usize = 8;
-/// Tiles that are traced before films take their results and the gain is measured again: this many, or one of so many
-/// parts of a large picture.
+/// Tiles that are traced before films take their results and the gain over the whole picture is measured again: this many, or
+/// one of so many parts of a large picture.
 const AT_ONCE: usize = 64;
 const PARTS: usize = 8;
 
@@ -136,10 +137,18 @@ impl<'a> SharedFrames<'a> {
         Self { poses, settings, count, still, movers: Movers::new(&all, &slots), limits: Limits::default() }
     }
 
-    /// Traces all frames. None if there are none, or if the run is stopped.
-    pub fn trace(&self, meter: &ProgressMeter) -> Option<(Vec<Film>, Counts)> {
+    /// Traces all frames, and passes each film to `take` as soon as it is complete, in order, with the counts since the one
+    /// before. Returns all counts; none if there are no frames, or if the run is stopped.
+    ///
+    /// # Errors
+    /// The first error of `take`. No more frames are traced then.
+    pub fn trace<E>(
+        &self,
+        meter: &ProgressMeter,
+        take: &mut dyn FnMut(Film, Counts) -> Result<(), E>,
+    ) -> Result<Option<Counts>, E> {
         let Self { settings, count, .. } = *self;
-        let first = &self.poses.first()?.scene;
+        let Some(FramePose { scene: first, .. }) = self.poses.first() else { return Ok(None) };
         let (width, height) = settings.size;
         let film = || Film::with_aovs(width, height, first.weights.0.clone(), settings.aovs);
         let mut films: Vec<Film> = (0..count).map(|_| film()).collect();
@@ -147,56 +156,65 @@ impl<'a> SharedFrames<'a> {
         let (pilot, rest) = tiles(settings.size);
         let (frames, finished) = (count as u64, AtomicU64::new(0));
         let total = frames * (pilot.len() + rest.len()) as u64;
-        let advance = |traced: &(Vec<Rgb>, Counts), of: u64| {
-            meter.rays.fetch_add(traced.1.rays.total(), Relaxed);
+        let advance = |traced: &Counts, of: u64| {
+            meter.rays.fetch_add(traced.rays.total(), Relaxed);
             let before = finished.fetch_add(of, Relaxed);
             meter.advance(before, before + of, total, frames);
         };
         let at_once = AT_ONCE.max(rest.len() / PARTS);
-        let (first, pilot) = pilot.split_at(FIRST.min(pilot.len()));
         let mut counts = Counts::default();
-        let mut whole: Vec<&Tile> = Vec::new();
-        for tiles in [first].into_iter().chain(pilot.chunks(at_once)).chain(rest.chunks(at_once)) {
+        // The pixels that are traced frame by frame, of each tile.
+        let mut whole: Vec<(&Tile, Vec<(u32, u32)>)> = Vec::new();
+        for tiles in [&pilot[..]].into_iter().chain(rest.chunks(at_once)) {
             if meter.is_stopped() {
-                return None;
+                return Ok(None);
             }
             if !sharing_pays(&counts) {
-                whole.extend(tiles);
+                whole.extend(tiles.iter().map(|tile| (tile, in_order(tile))));
                 continue;
             }
             let shared = tiles.par_iter().map(|tile| {
                 let (x, y) = (tile.columns.start, tile.rows.start);
                 let _span = tracing::trace_span!("tile", x, y, films = count).entered();
-                let traced = tracer.share_tile(tile);
-                advance(&traced, frames);
-                traced
+                let shared = tracer.share_tile(tile);
+                let is_complete = shared.pixels == tile.columns.len() * tile.rows.len();
+                advance(&shared.counts, if is_complete { frames } else { 0 });
+                shared
             });
-            let shared: Vec<(Vec<Rgb>, Counts)> = shared.collect();
-            for (tile, (data, more)) in tiles.iter().zip(shared) {
+            let shared: Vec<SharedPart> = shared.collect();
+            for (tile, SharedPart { data, pixels, counts: more }) in tiles.iter().zip(shared) {
+                let mut shared = in_order(tile);
+                let rest = shared.split_off(pixels);
                 let each = (data.len() / count).max(1);
-                films.iter_mut().zip(data.chunks(each)).for_each(|(film, data)| store(film, tile, data));
+                films.iter_mut().zip(data.chunks(each)).for_each(|(film, data)| store(film, &shared, data));
                 counts += more;
+                if !rest.is_empty() {
+                    whole.push((tile, rest));
+                }
             }
         }
         // Frame by frame, so that what a frame's rays read stays in caches.
-        for (frame, film) in films.iter_mut().enumerate() {
+        let mut since = counts;
+        for (frame, mut film) in films.into_iter().enumerate() {
             if meter.is_stopped() {
-                return None;
+                return Ok(None);
             }
-            let alone = whole.par_iter().map(|tile| {
+            let alone = whole.par_iter().map(|(tile, pixels)| {
                 let (x, y) = (tile.columns.start, tile.rows.start);
                 let _span = tracing::trace_span!("tile", x, y).entered();
-                let traced = tracer.trace_whole(tile, frame);
-                advance(&traced, 1);
+                let traced = tracer.trace_whole(pixels, frame);
+                advance(&traced.1, 1);
                 traced
             });
             let alone: Vec<(Vec<Rgb>, Counts)> = alone.collect();
-            for (tile, (data, more)) in whole.iter().zip(alone) {
-                store(film, tile, &data);
+            for ((_, pixels), (data, more)) in whole.iter().zip(alone) {
+                store(&mut film, pixels, &data);
                 counts += more;
+                since += more;
             }
+            take(film, std::mem::take(&mut since))?;
         }
-        Some((films, counts))
+        Ok(Some(counts))
     }
 
     fn tracer(&self) -> TileTracer<'_> {
@@ -241,11 +259,11 @@ fn tiles((width, height): (u32, u32)) -> (Vec<Tile>, Vec<Tile>) {
     (unnumbered(pilot), unnumbered(rest))
 }
 
-/// Stores the pixels of a tile.
-fn store(film: &mut Film, tile: &Tile, data: &[Rgb]) {
+/// Stores the layers of some pixels.
+fn store(film: &mut Film, pixels: &[(u32, u32)], data: &[Rgb]) {
     let (layers, width) = (film.layers(), film.width);
     let all = film.data_mut();
-    for ((x, y), pixel) in tile.pixels().into_iter().zip(data.chunks(layers.max(1))) {
+    for (&(x, y), pixel) in pixels.iter().zip(data.chunks(layers.max(1))) {
         let at = (y * width + x) as usize * layers;
         all[at..at + layers].copy_from_slice(pixel);
     }

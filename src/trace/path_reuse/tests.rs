@@ -119,7 +119,14 @@ fn compare(seed: u64, scene: &RandomScene, moments: u32) -> Outcome {
     if seed.is_multiple_of(3) {
         shared.limits = Limits { values: 48, sums: 100 };
     }
-    let (films, counts) = shared.trace(&ProgressMeter::default()).expect("no stop");
+    let (mut films, mut sum) = (Vec::new(), Counts::default());
+    let traced = shared.trace(&ProgressMeter::default(), &mut |film, counts| {
+        films.push(film);
+        sum += counts;
+        Ok::<(), ()>(())
+    });
+    let counts = traced.expect("no error").expect("no stop");
+    assert_eq!(sum, counts);
     for (frame, film) in films.iter().enumerate() {
         let own: Vec<FramePose> = all.iter().filter(|pose| pose.frame == frame).copied().collect();
         let (expected, _) = alone(&own, &settings);

@@ -3,7 +3,7 @@
 use super::super::pixels::PixelTracer;
 use super::super::{BLOCK, Tile};
 use super::FramePose;
-use super::gain::work_alone;
+use super::gain::{sharing_pays, work_alone};
 use super::samples::{SharedSamples, StillSums};
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
@@ -28,6 +28,32 @@ impl Default for Limits {
 
 /// Pixels whose rays are traced together.
 const PIXELS: usize = (BLOCK.0 * BLOCK.1) as usize;
+
+/// Pixels in the middle of a tile that show whether sharing pays there.
+const TRIED: usize = 2 * PIXELS;
+
+/// The pixels of a tile that are traced together for all frames.
+pub struct SharedPart {
+    /// Their layers, frame after frame.
+    pub data: Vec<Rgb>,
+    /// Their number: the first ones of [`in_order`]. The others are less work frame by frame.
+    pub pixels: usize,
+    pub counts: Counts,
+}
+
+/// The pixels of a tile, block by block, from its middle on: a mover that is seen somewhere in a tile is most often seen in
+/// its middle.
+pub fn in_order(tile: &Tile) -> Vec<(u32, u32)> {
+    let mut pixels = tile.pixels();
+    let blocks = pixels.len() / PIXELS;
+    // The block in the middle of the middle row.
+    let in_row = tile.columns.len().div_ceil(BLOCK.0 as usize);
+    let middle = blocks / 2 + in_row / 2;
+    if middle < blocks {
+        pixels.rotate_left(middle * PIXELS);
+    }
+    pixels
+}
 
 /// Traces tiles of frames that share paths.
 pub struct TileTracer<'a> {
@@ -58,34 +84,44 @@ impl<'a> TileTracer<'a> {
         Self { poses, shared, whole, all, frames, moments, held, limits }
     }
 
-    /// The pixels of a tile, frame after frame.
-    pub fn share_tile(&self, tile: &Tile) -> (Vec<Rgb>, Counts) {
-        let (pixels, layers, mut counts) = (tile.pixels(), self.shared.layers(), Counts::default());
-        let size = pixels.len() * layers;
+    /// Traces the pixels of a tile for all frames together, as far as that pays: first a few of them, then the others.
+    pub fn share_tile(&self, tile: &Tile) -> SharedPart {
+        let (pixels, layers, mut counts) = (in_order(tile), self.shared.layers(), Counts::default());
+        let mut parts: Vec<Vec<Vec<DVec3>>> = Vec::new();
+        let mut done = 0;
+        while done < pixels.len() && sharing_pays(&counts) {
+            let at_once = self.pixels_at_once();
+            let part = if done == 0 { TRIED.min(at_once) } else { at_once };
+            let part = &pixels[done..pixels.len().min(done + part)];
+            parts.push(self.share(part, &mut counts));
+            done += part.len();
+        }
+        let size = done * layers;
         let mut films = vec![DVec3::ZERO; self.frames * size];
         let samples = f64::from(self.shared.count());
-        let at_once = self.pixels_at_once();
-        for (chunk, part) in pixels.chunks(at_once).enumerate() {
-            for (pose, mut sums) in self.poses.iter().zip(self.share(part, &mut counts)) {
+        let mut first = 0;
+        for sums_of_poses in &mut parts {
+            let length = sums_of_poses.first().map_or(0, Vec::len);
+            for (pose, sums) in self.poses.iter().zip(sums_of_poses) {
                 if samples > 1.0 {
                     sums.iter_mut().for_each(|sum| *sum /= samples);
                 }
-                let first = chunk * at_once * layers;
-                pose.add(&sums, &mut films[pose.frame * size + first..][..sums.len()]);
+                pose.add(sums, &mut films[pose.frame * size + first..][..length]);
             }
+            first += length;
         }
-        counts.paths.all += self.frames as u64 * self.paths(pixels.len());
-        (self.held(&films), counts)
+        counts.paths.all += self.frames as u64 * self.paths(done);
+        SharedPart { data: self.held(&films), pixels: done, counts }
     }
 
-    /// The pixels of a tile of one frame, which is traced whole.
-    pub fn trace_whole(&self, tile: &Tile, frame: usize) -> (Vec<Rgb>, Counts) {
-        let (pixels, mut counts) = (tile.pixels(), Counts::default());
+    /// Some pixels of one frame, which is traced whole.
+    pub fn trace_whole(&self, pixels: &[(u32, u32)], frame: usize) -> (Vec<Rgb>, Counts) {
+        let mut counts = Counts::default();
         let mut film = vec![DVec3::ZERO; pixels.len() * self.shared.layers()];
         let mut sums = film.clone();
         for (pose, whole) in self.poses.iter().zip(&self.whole).filter(|(pose, _)| pose.frame == frame) {
             sums.fill(DVec3::ZERO);
-            counts += whole.trace(&pixels, &mut sums);
+            counts += whole.trace(pixels, &mut sums);
             pose.add(&sums, &mut film);
         }
         counts.paths.whole += self.paths(pixels.len());
