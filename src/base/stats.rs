@@ -83,6 +83,8 @@ counts! {
         retraced,
         /// Paths of frames in tiles that were traced frame by frame, because sharing them gains too little.
         whole,
+        /// The rays of the paths that were traced once.
+        once_rays,
         /// The work of the paths that were traced once, of those that were traced again, and of all of these frames alone.
         still_work,
         retraced_work,

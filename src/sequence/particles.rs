@@ -98,8 +98,8 @@ fn rows(table: &Table, columns: &Columns, node: Node<'_>) -> Result<ParticleTrac
     let radii = radii(table, &columns.radius)?;
     let spheres = centers.into_iter().zip(radii).map(|(center, radius)| Sphere { center, radius }).collect();
     let timed = TimedRows::of(table, columns.time.as_ref(), node.file.clock.get())?;
-    let (numbers, unusable) = numbers(table);
-    let mut rows = ParticleRows { spheres, columns: numbers, unusable, ..ParticleRows::default() };
+    let mut rows = ParticleRows { spheres, ..ParticleRows::default() };
+    add_columns(&mut rows, table);
     if timed.times.len() > 1 {
         let id = columns.id.as_ref();
         let ids = TimedRows::ids(table, columns.time.as_ref(), id)?;
@@ -127,14 +127,12 @@ fn radii(table: &Table, radius: &Radius) -> Result<Vec<f64>, PoseFault> {
     }
 }
 
-/// The columns of numbers, of which some may be missing; and the names of the others, with what they hold instead.
-fn numbers(table: &Table) -> (Vec<(String, Vec<f64>)>, Vec<(String, String)>) {
-    let (mut columns, mut unusable) = (Vec::new(), Vec::new());
+/// Adds the columns of numbers, of which some may be missing; and the names of the others, with what they hold instead.
+fn add_columns(rows: &mut ParticleRows, table: &Table) {
     for name in table.names() {
         match table.column_with_gaps(name) {
-            Ok(values) => columns.push((name.to_owned(), values.to_vec())),
-            Err(error) => unusable.push((name.to_owned(), error.to_string())),
+            Ok(values) => rows.columns.push((name.to_owned(), values.to_vec())),
+            Err(error) => rows.unusable.push((name.to_owned(), error.to_string())),
         }
     }
-    (columns, unusable)
 }

@@ -169,9 +169,9 @@ impl MarkSegments<'_> {
         // A mover behind the hit counts if it may coincide with it.
         let range = ray.coincidence_range(context.bvh.reach());
         let mut max = range.end(L::F64::from_array(t)).to_array().map(f64::next_up);
-        for lane in 0..count {
-            if hits.primitive[first + lane] == NOTHING {
-                max[lane] = f64::INFINITY;
+        for (max, hit) in max.iter_mut().zip(&hits.primitive[first..first + count]) {
+            if *hit == NOTHING {
+                *max = f64::INFINITY;
             }
         }
         let within = RayInterval { min: paths.t_start::<L::F64>(&at), max: L::F64::from_array(max) };

@@ -107,20 +107,47 @@ fn a_target_takes_hardly_more_work_with_the_denoiser_than_without() {
     }
 }
 
+/// A picture that the denoiser smooths well.
+fn smooth(size: (u32, u32), quality: &str) -> String {
+    format!(
+        r##"(output: (size: {size:?}), quality: (integrator: Path(), bounces: 3, {quality}),
+        camera: (position: (0, 2, 6), target: (0, 1, 0)), background: 1, objects: {{
+        "floor": (shape: Plane(), material: Lambertian(color: 0.7)),
+        "ball": (shape: Sphere(center: (0, 1, 0)), material: Lambertian(color: (0.2, 0.5, 0.8))),
+        "wall": (shape: Box(min: (-9, 0, -3), max: (9, 9, -2.8)), material: Lambertian(color: 0.5)) }})"##
+    )
+}
+
 /// Where the denoiser wins, it is still used: with fewer samples than there are without.
 #[test]
 fn a_target_takes_less_work_where_the_denoiser_helps() {
-    let smooth = |denoise: &str| {
-        format!(
-            r##"(output: (size: (160, 100)), quality: (integrator: Path(), bounces: 3, noise: 0.03, denoise: {denoise}),
-            camera: (position: (0, 2, 6), target: (0, 1, 0)), background: 1, objects: {{
-            "floor": (shape: Plane(), material: Lambertian(color: 0.7)),
-            "ball": (shape: Sphere(center: (0, 1, 0)), material: Lambertian(color: (0.2, 0.5, 0.8))),
-            "wall": (shape: Box(min: (-9, 0, -3), max: (9, 9, -2.8)), material: Lambertian(color: 0.5)) }})"##
-        )
-    };
-    let [(alone, ..), (denoised, ..)] = ["Off", "Auto"].map(|denoise| work(&smooth(denoise)));
+    let [(alone, ..), (denoised, ..)] =
+        ["Off", "Auto"].map(|denoise| work(&smooth((160, 100), &format!("noise: 0.03, denoise: {denoise}"))));
     assert!(denoised < alone, "{alone} rays alone, {denoised} denoised");
+}
+
+/// A limit of samples that both ways would reach does not decide for samples alone.
+#[test]
+fn a_limit_of_samples_leaves_the_denoiser_where_it_helps() {
+    let at = |limit: u32, denoise: &str| {
+        let quality = format!("noise: 0.01, max_samples: {limit}, denoise: {denoise}");
+        work(&smooth((96, 64), &quality)).2
+    };
+    for limit in [64, 256] {
+        let (alone, denoised) = (at(limit, "Off"), at(limit, "Auto"));
+        assert!(denoised < 0.7 * alone, "{limit}: {alone} alone, {denoised} denoised");
+    }
+    // Below one round of both, the better film counts, whatever the limit is.
+    for limit in [1, 2, 7, 16, 31, 40] {
+        for error in [0.3, 0.15] {
+            let quality = |denoise: &str| format!("noise: {error}, max_samples: {limit}, denoise: {denoise}");
+            let [alone, denoised] = ["Off", "Auto"].map(|denoise| work(&caustic(&quality(denoise))).2);
+            assert!(
+                denoised < 1.15 * alone || denoised < error,
+                "{limit}: {alone} alone, {denoised} denoised"
+            );
+        }
+    }
 }
 
 /// A frame that goes on without the denoiser has the same bytes for any threads and shards, with a shutter, too.

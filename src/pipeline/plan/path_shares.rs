@@ -43,13 +43,16 @@ impl ShareTrials {
 pub struct PathShares {
     /// For each film, the expected share of its paths that are traced for it: 1 if it shares none.
     pub films: Vec<f64>,
+    /// For each film that shares paths, the expected rays that are traced for it, per path.
+    pub rays: Vec<Option<f64>>,
     /// Why films that may share paths do not, if any of those that were tried does not.
     pub obstacle: Option<PathObstacle>,
 }
 
 /// The paths that films share. If nothing is traced, no film shares paths.
 pub fn path_shares(sequence: &Sequence, plan: &Plan, trials: ShareTrials) -> PathShares {
-    let mut found = PathShares { films: vec![1.0; plan.films.len()], obstacle: None };
+    let mut found =
+        PathShares { films: vec![1.0; plan.films.len()], rays: vec![None; plan.films.len()], obstacle: None };
     for group in &plan.view_groups {
         let alone: u64 = group.films.clone().map(|film| camera_rays(sequence, plan.state_of(film))).sum();
         found.films[group.films.clone()].fill(group.camera_rays as f64 / alone.max(1) as f64);
@@ -60,13 +63,26 @@ pub fn path_shares(sequence: &Sequence, plan: &Plan, trials: ShareTrials) -> Pat
     }
     let count = groups.len().min(trials.groups);
     let chosen = |index: usize| (2 * index + 1) * groups.len() / (2 * count);
-    let known: Vec<(f64, Option<PathObstacle>)> =
+    let known: Vec<GroupShare> =
         (0..count).map(|index| share(sequence, plan, groups[chosen(index)], trials)).collect();
     for (index, (first, films)) in groups.iter().enumerate() {
-        found.films[*first..first + films].fill(known[index * count / groups.len()].0);
+        let GroupShare { paths, rays, .. } = known[index * count / groups.len()];
+        found.films[*first..first + films].fill(paths);
+        found.rays[*first..first + films].fill(rays);
     }
-    found.obstacle = known.iter().find_map(|known| known.1);
+    found.obstacle = known.iter().find_map(|known| known.obstacle);
     found
+}
+
+/// What films of a group share.
+#[derive(Clone, Copy)]
+struct GroupShare {
+    /// The share of their paths that are traced.
+    paths: f64,
+    /// The rays that are traced, per path, if all films share paths.
+    rays: Option<f64>,
+    /// Why films share none, if some do not.
+    obstacle: Option<PathObstacle>,
 }
 
 /// Groups of films that may share paths: the first film of each, and the number of its films.
@@ -89,7 +105,7 @@ fn share(
     plan: &Plan,
     (first, films): (usize, usize),
     trials: ShareTrials,
-) -> (f64, Option<PathObstacle>) {
+) -> GroupShare {
     let shared = &plan.films[first..first + films];
     let states: Vec<&FrameState> = shared.iter().map(|film| &plan.states.frames[film.frames[0]]).collect();
     let small = downscaled(sequence, states[0], trials.samples);
@@ -106,7 +122,9 @@ fn share(
             // The films that were tried stand for more, unless something ended them.
             let (counts, traced) = (frames.stats().counts, group.films);
             let more = if traced < few.len() { traced } else { (films - alone).min(MAX_FRAMES) };
-            let share = match sharing_would_pay(&counts, more as f64 / traced as f64) {
+            let times = more as f64 / traced as f64;
+            let pays = sharing_would_pay(&counts, times);
+            let share = match pays {
                 // Every path once for all, and the same share of each film again.
                 true => {
                     let once = 1.0 - counts.paths.whole as f64 / counts.paths.all.max(1) as f64;
@@ -116,11 +134,16 @@ fn share(
             };
             let all = (alone as f64 + share * (films - alone) as f64) / films as f64;
             let changes = (share >= 1.0).then_some(PathObstacle::Changes);
-            return (all.min(1.0), changes.or(obstacle));
+            // Paths that meet movers, and those in tiles that are traced whole, may have more rays than others.
+            let SharedPaths { once_rays, all: paths, .. } = counts.paths;
+            let often = (counts.rays.total() - once_rays) as f64;
+            let rays = (often + once_rays as f64 / times) / paths.max(1) as f64;
+            let rays = (pays && alone == 0).then_some(rays);
+            return GroupShare { paths: all.min(1.0), rays, obstacle: changes.or(obstacle) };
         }
         alone += tries.next(films - alone, 0, false);
     }
-    (1.0, obstacle)
+    GroupShare { paths: 1.0, rays: None, obstacle }
 }
 
 /// The share of the paths of a film that are traced for it alone.

@@ -133,18 +133,24 @@ pub fn cost_estimate(sequence: &Sequence, plan: &Plan, budget: PilotBudget) -> C
         let nearest = trials.get(film * trials.len() / films.len());
         let each =
             nearest.filter(|trial| trial.samples > 0.0).map_or(1.0, |trial| trial.rays / trial.samples);
-        camera_rays(sequence, state) as f64 * each * shares.films[film]
+        let each = shares.rays[film].unwrap_or(each * shares.films[film]);
+        camera_rays(sequence, state) as f64 * each
     };
+    let of_films: Vec<f64> = films.iter().enumerate().map(rays).collect();
     let unshared = counted_up(sequence, &films, &trials);
     let camera = |(film, share): (&LitFrame, &f64)| camera_rays(sequence, film.0) as f64 * share;
     let camera = films.iter().zip(&shares.films).map(camera).sum::<f64>().round();
     let alone: u64 = films.iter().map(|film| camera_rays(sequence, film.0)).sum();
     let traced = if alone > 0 { camera / alone as f64 } else { 1.0 };
-    let all = unshared.map(|rays| (rays as f64 * traced).round() as u64);
+    let shares_rays = shares.rays.iter().any(Option::is_some);
+    let all = unshared.map(|rays| match shares_rays {
+        true => of_films.iter().sum::<f64>().round() as u64,
+        false => (rays as f64 * traced).round() as u64,
+    });
     let camera = if known.shares_paths { camera as u64 } else { known.camera };
     CostEstimate {
         expected: RayEstimate { camera, rays: all, path_obstacle: shares.obstacle, ..known },
-        films: films.iter().enumerate().map(rays).collect(),
+        films: of_films,
         unshared,
     }
 }

@@ -108,8 +108,10 @@ fn trace_together<S: FilmSink>(
     let mut number = first;
     let group = frames.trace_together(&states, &lit, plan.scenes_budget(), &mut |frames, film| {
         pending.kept.insert(number, film);
+        // Not the frames that repeat it: a stop may leave these out.
+        let is_due = |next: usize| plan.films[number].frames.first().is_some_and(|first| next <= *first);
+        while is_due(pending.next) && pending.push_next(frames)? {}
         number += 1;
-        while pending.push_next(frames)? {}
         Ok(())
     })?;
     Ok(first + tries.next(together, group.films, group.pays))

@@ -147,50 +147,52 @@ impl SampleSets {
             Some(remaining) => weightings.iter().map(|weights| remaining.of(weights)).collect(),
             None => Vec::new(),
         };
-        let highest = noises.iter().map(|noise| noise.high).fold(0.0, f64::max);
-        let is_reached = highest <= target.error;
+        let highest = |noises: &[Noise]| noises.iter().map(|noise| noise.high).fold(0.0, f64::max);
+        let high = highest(&noises);
+        let is_reached = high <= target.error;
         let is_last = 2 * self.picture > target.most;
-        let mut is_enough = is_reached;
-        if !is_reached && !is_last && !meter.is_stopped() {
-            let mut samples = AdaptiveFrame::of_halves(
-                self.films().halves,
-                (self.picture, self.rays),
-                seed,
-                target,
-                weightings,
-            );
-            samples.settle(meter);
-            is_enough = samples.is_reached();
-            if !is_enough {
-                if samples.samples_left() < self.samples_left(highest / target.error, target.most) {
+        if !is_reached && !meter.is_stopped() {
+            let (halves, traced) = (self.films().halves, (self.picture, self.rays));
+            let mut samples = AdaptiveFrame::of_halves(halves, traced, seed, target, weightings);
+            let is_complete = samples.settle(meter);
+            if !meter.is_stopped() {
+                if samples.is_reached() || is_last && is_complete {
+                    // Samples alone have reached the target, or their limit. The better film counts.
+                    let sampled = samples.film();
+                    if highest(&sampled.noises) < high {
+                        return NextStep::Done(sampled);
+                    }
+                } else if is_last {
+                    // The limit leaves room for samples alone, but not for another round of all films.
+                    let left = (f64::from(self.picture) / f64::from(target.most)).sqrt();
+                    let sampled =
+                        highest(&(0..weightings.len()).map(|each| samples.noise(each)).collect::<Vec<_>>());
+                    if sampled * left < high {
+                        return NextStep::Samples(samples);
+                    }
+                } else if samples.samples_left() < self.samples_left(high / target.error) {
                     return NextStep::Samples(samples);
+                } else {
+                    self.start_round();
+                    return NextStep::Part(self);
                 }
-                self.start_round();
-                return NextStep::Part(self);
-            }
-            // Samples alone have reached the target. The denoised film is kept if it is at least as good.
-            let sampled = samples.film();
-            let worst = |noises: &[Noise]| noises.iter().map(|noise| noise.error).fold(0.0, f64::max);
-            if worst(&sampled.noises) < worst(&noises) {
-                return NextStep::Done(sampled);
             }
         }
-        if !is_enough && !is_last {
+        let is_enough = is_reached || is_last;
+        if !is_enough && meter.is_stopped() {
             meter.unfinished.store(true, Relaxed);
         }
-        let capped = if is_last && !is_enough { 1.0 } else { 0.0 };
+        let capped = if is_last && !is_reached { 1.0 } else { 0.0 };
         film.noises = noises.into_iter().map(|noise| Noise { capped, ..noise }).collect();
         NextStep::Done(film)
     }
 
     /// The samples per pixel that rounds of all films would still take, if the upper end of the error is so many times the
-    /// target: it falls as the root of the samples.
-    fn samples_left(&self, ratio: f64, most: u32) -> f64 {
-        let (drawn, mut picture) = (f64::from(self.drawn(self.picture)), self.picture);
-        while f64::from(picture) < f64::from(self.picture) * ratio * ratio && picture <= most / 2 {
-            picture *= 2;
-        }
-        f64::from(self.drawn(picture)) - drawn
+    /// target: it falls as the root of the samples. Without regard to the limit of samples: where it is in the way, the one
+    /// that would need less comes nearer to the target.
+    fn samples_left(&self, ratio: f64) -> f64 {
+        let rounds = (2.0 * libm::log2(ratio)).ceil().max(1.0);
+        f64::from(self.drawn(self.picture)) * (libm::exp2(rounds) - 1.0)
     }
 
     /// Begins a round that doubles the number of samples. Those of a film and those that it adds are equally many.

@@ -45,15 +45,14 @@ pub fn blocks_to_refine(
 }
 
 /// The samples per pixel that blocks will still take until the target, as a mean over the pixels, if the variances are what
-/// the samples show.
+/// the samples show and no limit is in the way.
 pub fn samples_left(blocks: &[Block], estimate: &ErrorEstimate, target: &NoiseTarget, columns: usize) -> f64 {
     let goal = target.error * target.error;
     let allocation = Allocation::new(blocks, estimate, columns);
     let scale = estimate.gain() * allocation.square / goal;
     let (mut left, mut pixels) = (0.0, 0.0);
     for (share, block) in allocation.samples.iter().zip(blocks) {
-        let (drawn, most) = (f64::from(block.drawn()), f64::from(target.most));
-        left += f64::from(block.pixels()) * ((scale * share).min(most) - drawn).max(0.0);
+        left += f64::from(block.pixels()) * (scale * share - f64::from(block.drawn())).max(0.0);
         pixels += f64::from(block.pixels());
     }
     left / pixels

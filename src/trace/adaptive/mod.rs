@@ -114,7 +114,7 @@ impl AdaptiveFrame {
     }
 
     /// A frame whose pixels have `samples` samples, traced with `rays` rays as two films of one half each. It is ready to be
-    /// settled, and gives what a frame that began without samples would, but for the rounding of the films.
+    /// settled. Its samples are those of a frame that began without any; its error is known from one round only.
     pub fn of_halves(
         halves: [&Film; 2],
         (samples, rays): (u32, u64),
@@ -142,7 +142,7 @@ impl AdaptiveFrame {
     }
 
     /// The samples per pixel that the frame will still take until it reaches its target, as a mean over the pixels, as far as
-    /// its samples show. Holds for a frame that is settled.
+    /// its samples show; without regard to the limit of samples. Holds for a frame that is settled.
     pub fn samples_left(&self) -> f64 {
         let columns = self.size.0.div_ceil(SIDE) as usize;
         allocation::samples_left(&self.blocks, &self.estimate, &self.target, columns)
@@ -229,7 +229,7 @@ impl AdaptiveFrame {
     }
 
     /// The remaining error of the film with one of the weightings.
-    fn noise(&self, weighting: usize) -> Noise {
+    pub fn noise(&self, weighting: usize) -> Noise {
         let pixels = f64::from(self.size.0) * f64::from(self.size.1);
         let share = |block: &Block| f64::from(block.pixels()) / pixels;
         let most = self.target.most;

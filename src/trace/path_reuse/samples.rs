@@ -83,6 +83,7 @@ impl<'p> SharedSamples<'p> {
         }
         scratch.give_back(wave, indices);
         let traced = std::mem::take(&mut scratch.counts);
+        counts.paths.once_rays += traced.rays.total();
         counts.paths.still_work += work(&traced.rays, std::mem::take(&mut scratch.marks.misses));
         counts.paths.tests += std::mem::take(&mut scratch.marks.tests);
         *counts += traced;

@@ -85,7 +85,7 @@ fn alone(poses: &[FramePose], settings: &TraceSettings) -> (Film, Counts) {
 enum Outcome {
     /// Frames cannot share paths.
     Alone,
-    /// Share of paths that were traced again, in percent.
+    /// Share of paths that were traced again or frame by frame, in percent.
     Shared(u64),
 }
 
@@ -143,7 +143,7 @@ fn compare(seed: u64, scene: &RandomScene, moments: u32) -> Outcome {
         );
     }
     assert_eq!(counts.paths.all % (7 * 61 * 37), 0);
-    Outcome::Shared(100 * counts.paths.retraced / counts.paths.all)
+    Outcome::Shared(100 * (counts.paths.retraced + counts.paths.whole) / counts.paths.all)
 }
 
 /// Compares random scenes, and tests that paths were shared in enough of them.

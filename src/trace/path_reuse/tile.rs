@@ -87,31 +87,26 @@ impl<'a> TileTracer<'a> {
     /// Traces the pixels of a tile for all frames together, as far as that pays: first a few of them, then the others.
     pub fn share_tile(&self, tile: &Tile) -> SharedPart {
         let (pixels, layers, mut counts) = (in_order(tile), self.shared.layers(), Counts::default());
-        let mut parts: Vec<Vec<Vec<DVec3>>> = Vec::new();
+        let size = pixels.len() * layers;
+        let mut films = vec![DVec3::ZERO; self.frames * size];
+        let samples = f64::from(self.shared.count());
         let mut done = 0;
         while done < pixels.len() && sharing_pays(&counts) {
             let at_once = self.pixels_at_once();
             let part = if done == 0 { TRIED.min(at_once) } else { at_once };
             let part = &pixels[done..pixels.len().min(done + part)];
-            parts.push(self.share(part, &mut counts));
-            done += part.len();
-        }
-        let size = done * layers;
-        let mut films = vec![DVec3::ZERO; self.frames * size];
-        let samples = f64::from(self.shared.count());
-        let mut first = 0;
-        for sums_of_poses in &mut parts {
-            let length = sums_of_poses.first().map_or(0, Vec::len);
-            for (pose, sums) in self.poses.iter().zip(sums_of_poses) {
+            for (pose, mut sums) in self.poses.iter().zip(self.share(part, &mut counts)) {
                 if samples > 1.0 {
                     sums.iter_mut().for_each(|sum| *sum /= samples);
                 }
-                pose.add(sums, &mut films[pose.frame * size + first..][..length]);
+                pose.add(&sums, &mut films[pose.frame * size + done * layers..][..sums.len()]);
             }
-            first += length;
+            done += part.len();
         }
+        let of_frame = |film: &[DVec3]| self.held(&film[..done * layers]);
+        let data = films.chunks(size.max(1)).flat_map(of_frame).collect();
         counts.paths.all += self.frames as u64 * self.paths(done);
-        SharedPart { data: self.held(&films), pixels: done, counts }
+        SharedPart { data, pixels: done, counts }
     }
 
     /// Some pixels of one frame, which is traced whole.

@@ -121,14 +121,22 @@ impl PilotFilm {
                 let samples = f64::from(quality.samples);
                 let error = Some(noise.even(samples, uncertainty).sqrt());
                 let drawn = samples + audits(quality, quality.samples);
-                self.filtered(FilmForecast { error, ..self.with(drawn, drawn, 1.0, uncertainty) })
+                let rounds = self.rounds_of_parts(quality).max(1.0);
+                self.filtered(FilmForecast { error, ..self.with(drawn, drawn, rounds, uncertainty) })
             }
             Some(target) => {
                 // Samples alone, if the first round shows that the denoiser would take longer. Its audits are lost then.
                 let lost = audits(quality, MIN_SAMPLES.min(target.most));
-                self.filtered(self.until(noise, (target, lost), uncertainty))
+                let parts = self.prepare * self.rounds_of_parts(quality);
+                let alone = self.filtered(self.until(noise, (target, lost), uncertainty));
+                FilmForecast { took: alone.took + parts, ..alone }
             }
         }
+    }
+
+    /// How often a denoised film of several moments visits all of them: once for each half and each audit.
+    fn rounds_of_parts(&self, quality: &Quality) -> f64 {
+        if self.moments > 1 && quality.denoise != Denoise::Off { 4.0 } else { 0.0 }
     }
 
     /// The forecast with the time of denoising the film once.

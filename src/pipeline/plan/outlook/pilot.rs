@@ -204,6 +204,7 @@ impl PilotRun<'_> {
         // In a cross-fade, another camera sees the same scene.
         let parts = f64::from(state.parts());
         (pilot.sample, pilot.rays) = (pilot.sample * parts, pilot.rays * parts);
+        pilot.filter = pilot.filter * parts;
         Some(pilot)
     }
 
