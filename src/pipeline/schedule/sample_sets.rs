@@ -149,7 +149,7 @@ impl SampleSets {
         };
         let highest = |noises: &[Noise]| noises.iter().map(|noise| noise.high).fold(0.0, f64::max);
         let high = highest(&noises);
-        let is_reached = high <= target.error;
+        let mut is_reached = high <= target.error;
         let is_last = 2 * self.picture > target.most;
         if !is_reached && !meter.is_stopped() {
             let (halves, traced) = (self.films().halves, (self.picture, self.rays));
@@ -158,6 +158,7 @@ impl SampleSets {
             if !meter.is_stopped() {
                 if samples.is_reached() || is_last && is_complete {
                     // Samples alone have reached the target, or their limit. The better film counts.
+                    is_reached = samples.is_reached();
                     let sampled = samples.film();
                     if highest(&sampled.noises) < high {
                         return NextStep::Done(sampled);
@@ -165,9 +166,7 @@ impl SampleSets {
                 } else if is_last {
                     // The limit leaves room for samples alone, but not for another round of all films.
                     let left = (f64::from(self.picture) / f64::from(target.most)).sqrt();
-                    let sampled =
-                        highest(&(0..weightings.len()).map(|each| samples.noise(each)).collect::<Vec<_>>());
-                    if sampled * left < high {
+                    if highest(&samples.noises()) * left < high {
                         return NextStep::Samples(samples);
                     }
                 } else if samples.samples_left() < self.samples_left(high / target.error) {

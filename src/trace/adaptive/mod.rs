@@ -224,12 +224,16 @@ impl AdaptiveFrame {
                 }
             }
         }
-        film.noises = (0..self.weightings.len()).map(|weighting| self.noise(weighting)).collect();
+        film.noises = self.noises().into();
         film.shown_as(0, &self.layers.0)
     }
 
-    /// The remaining error of the film with one of the weightings.
-    pub fn noise(&self, weighting: usize) -> Noise {
+    /// The remaining error of the film with each of the weightings.
+    pub fn noises(&self) -> Vec<Noise> {
+        (0..self.weightings.len()).map(|weighting| self.noise(weighting)).collect()
+    }
+
+    fn noise(&self, weighting: usize) -> Noise {
         let pixels = f64::from(self.size.0) * f64::from(self.size.1);
         let share = |block: &Block| f64::from(block.pixels()) / pixels;
         let most = self.target.most;
