@@ -356,7 +356,7 @@ fn a_stop_leaves_out_frames_that_repeat_a_film() {
     let sequence = sequence(
         r#"(timeline: (frames: 40, keys: Frames), output: (size: (48, 36)), quality: (antialias: 2),
         objects: { "ball": (shape: Sphere(radius: 0.3), translation: [(0, (-1, 0, 0)), (4, (1, 0, 0))]),
-            "floor": (shape: Plane(point: (0, -1, 0))) })"#,
+            "wall": (shape: Box(min: (-3, -3, -3), max: (3, 3, -2))) })"#,
     );
     let plan = Plan::new(&sequence, &(0..40).collect::<Vec<_>>(), AovSet::default(), u64::MAX);
     assert_eq!(plan.films.len(), 5);

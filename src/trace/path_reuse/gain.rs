@@ -14,9 +14,9 @@ const SHADOW: u64 = 4;
 /// A search of a mover with many parts along a segment: that of a ray in a bundle.
 const TEST: u64 = 4;
 
-/// Below this gain, frames are not traced together. It pays for what is not counted: tests of simple movers, and
+/// Below this gain, pixels of frames are not traced together. It pays for what is not counted: tests of simple movers, and
 /// the marks of samples.
-const MIN_GAIN: f64 = 1.2;
+pub const MIN_GAIN: f64 = 1.2;
 
 /// The work of tracing rays, of which `misses` leave the scene.
 pub fn work(rays: &RayCounts, misses: u64) -> u64 {
@@ -32,14 +32,19 @@ pub fn work_alone((still, again): (u64, u64), frames: u64, samples: u64, retrace
 
 /// Whether frames that shared the paths so far were less work than each alone.
 pub fn sharing_pays(counts: &Counts) -> bool {
-    sharing_would_pay(counts, 1.0)
+    gains(counts, 1.0, MIN_GAIN)
 }
 
 /// [`sharing_pays`] for so many times as many frames, if all have the same share of paths that are traced again.
 pub fn sharing_would_pay(counts: &Counts, times: f64) -> bool {
+    gains(counts, times, MIN_GAIN)
+}
+
+/// Whether so many times as many frames would have been at least this many times the work alone.
+pub fn gains(counts: &Counts, times: f64, at_least: f64) -> bool {
     let SharedPaths { still_work, retraced_work, alone_work, tests, .. } = counts.paths;
     let of_frames = times * (retraced_work + TEST * tests) as f64;
-    (still_work as f64 + of_frames) * MIN_GAIN <= times * alone_work as f64
+    (still_work as f64 + of_frames) * at_least <= times * alone_work as f64
 }
 
 #[cfg(test)]

@@ -169,7 +169,7 @@ impl<'a> SharedFrames<'a> {
             if meter.is_stopped() {
                 return Ok(None);
             }
-            if !sharing_pays(&counts) {
+            if !self.limits.allow(&counts) {
                 whole.extend(tiles.iter().map(|tile| (tile, in_order(tile))));
                 continue;
             }

@@ -3,7 +3,7 @@
 use super::super::pixels::PixelTracer;
 use super::super::{BLOCK, Tile};
 use super::FramePose;
-use super::gain::{sharing_pays, work_alone};
+use super::gain::{MIN_GAIN, gains, work_alone};
 use super::samples::{SharedSamples, StillSums};
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
@@ -11,18 +11,27 @@ use crate::base::stats::Counts;
 use crate::scene::movers::FrameMask;
 use std::collections::HashMap;
 
-/// How much a thread keeps at once.
+/// How much a thread keeps at once, and when pixels are traced together.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Values of samples, one for each layer, unless one sample for each pixel of a block has more.
     pub values: usize,
     /// Sums, one for each pose, pixel and layer, unless a block of pixels has more.
     pub sums: usize,
+    /// The gain below which they are not.
+    pub gain: f64,
+}
+
+impl Limits {
+    /// Whether frames that shared the paths so far gained enough.
+    pub fn allow(&self, counts: &Counts) -> bool {
+        gains(counts, 1.0, self.gain)
+    }
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { values: 1 << 16, sums: 1 << 18 }
+        Self { values: 1 << 16, sums: 1 << 18, gain: MIN_GAIN }
     }
 }
 
@@ -91,7 +100,7 @@ impl<'a> TileTracer<'a> {
         let mut films = vec![DVec3::ZERO; self.frames * size];
         let samples = f64::from(self.shared.count());
         let mut done = 0;
-        while done < pixels.len() && sharing_pays(&counts) {
+        while done < pixels.len() && self.limits.allow(&counts) {
             let at_once = self.pixels_at_once();
             let part = if done == 0 { TRIED.min(at_once) } else { at_once };
             let part = &pixels[done..pixels.len().min(done + part)];
