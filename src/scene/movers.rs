@@ -179,7 +179,7 @@ impl<L: Level> LaneKernel<L> for LaneTreeSearch<'_, '_, L> {
         let open = L::F64::select(L::Mask::from_bits(wanted), within.max, L::F64::splat(-1.0));
         let mut search = LaneSearch { movers, segments, met: *known, limit: slabs.limit(open), tests: 0 };
         for index in movers.bounded..movers.all.len() {
-            search.test(&[index as u32], wanted);
+            search.test(&[index as u32], wanted & !afar);
         }
         if near != 0 {
             movers.tree.walk_bundle(&slabs, near, &mut search, &mut stacks.bundle);

@@ -279,11 +279,8 @@ impl<'s> Node<'s> {
     /// The fault of [`Node::expected`], to which help can be added.
     pub fn mismatch(&self, what: impl Into<String>) -> Fault {
         // Fields with keys read them before their value.
-        let found = match self.looks_like_keys() {
-            true => "found keys; this field takes none".to_owned(),
-            false => format!("found {}", self.describe()),
-        };
-        Fault::expected(self.span(), what, found)
+        let keys = if self.looks_like_keys() { "; this field takes no keys" } else { "" };
+        Fault::expected(self.span(), what, format!("found {}{keys}", self.describe()))
     }
 
     /// Whether the value is a list of pairs, or triples, that begin with a number.

@@ -328,7 +328,7 @@ fn moving_objects_share_paths() {
     }
 }
 
-/// What moves in one half of a picture keeps the other half from being traced again in no frame.
+/// The still half of a picture is traced once for all frames, although the other half moves in each of them.
 #[test]
 fn the_still_half_of_a_picture_is_shared() {
     let sequence = sequence(
@@ -337,7 +337,7 @@ fn the_still_half_of_a_picture_is_shared() {
         lights: { "lamp": Point(position: (0, 0, 9)) }, background: 0.2,
         objects: {
             "still": (shape: Box(min: (-2, -1, -1), max: (0, 1, 0)), material: (specular: 0.3)),
-            "wavy": (shape: Box(min: (0.2, -1, -1), max: (2, 1, 0)), translation: [(0, (0, 0, 0)), (11, (0, 0, 0.3))]),
+            "moving": (shape: Box(min: (0.2, -1, -1), max: (2, 1, 0)), translation: [(0, (0, 0, 0)), (11, (0, 0, 0.3))]),
         })"#,
     );
     let frames: Vec<u32> = (0..12).collect();

@@ -5,7 +5,7 @@ use crate::base::files::{self, Root};
 use crate::base::math::{Aabb, DVec3, UpAxis};
 use crate::geometry::shape::Shape;
 use crate::import::{self, LoadProgress, gltf};
-use crate::sequence::{Sequence, ShapeTracks, load_text, quoted_value};
+use crate::sequence::{LoadError, Sequence, ShapeTracks, load_text, quoted_value};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -37,66 +37,61 @@ impl Part {
         root: &Root,
         meter: &Arc<LoadProgress>,
     ) -> Result<Self, String> {
-        if gltf::is_gltf(path) {
-            return Self::scene(path, folder, up, root, meter);
-        }
-        let data = import::load_data(path, root, meter).map_err(|error| error.to_string())?;
-        let is_stl = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("stl"));
-        let up = match up {
-            Some(Up::Y) => UpAxis::Y,
-            Some(Up::Z) => UpAxis::Z,
-            None => {
-                if is_stl {
-                    UpAxis::Z
-                } else {
-                    UpAxis::Y
-                }
-            }
-        };
-        let used =
-            data.triangles.as_flattened().iter().filter_map(|&vertex| data.positions.get(vertex as usize));
-        let bounds = Aabb::around(used.map(|position| up.to_y_up(*position)));
-        if bounds.is_empty() {
+        let part = match gltf::is_gltf(path) {
+            true => Self::scene(path, up, root, meter),
+            false => Self::mesh(path, up, root, meter),
+        }?;
+        if part.bounds.is_empty() {
             return Err("it has no triangles".to_owned());
         }
+        let name = path.file_stem().map_or_else(|| "part".into(), |stem| stem.to_string_lossy());
+        Ok(Self { name: name.into_owned(), file: written(path, folder)?, ..part })
+    }
+
+    /// A mesh file.
+    fn mesh(path: &Path, up: Option<Up>, root: &Root, meter: &LoadProgress) -> Result<Self, String> {
+        let data = import::load_data(path, root, meter).map_err(|error| error.to_string())?;
+        let is_stl = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("stl"));
+        let up = up_axis(up, if is_stl { UpAxis::Z } else { UpAxis::Y });
         Ok(Self {
-            name: name(path),
-            file: written(path, folder)?,
+            name: String::new(),
+            file: String::new(),
             is_scene: false,
             up,
-            bounds,
+            bounds: bounds_of(&data.triangles, &data.positions, |corner| up.to_y_up(corner)),
             has_colors: !data.materials.is_empty() || !data.colors.is_empty(),
             has_normals: data.normals.is_some(),
         })
     }
 
     /// A glTF file: its scene, without animations and lights.
-    fn scene(
-        path: &Path,
-        folder: Option<&Path>,
-        up: Option<Up>,
-        root: &Root,
-        meter: &Arc<LoadProgress>,
-    ) -> Result<Self, String> {
-        // First the file alone, whose errors do not name a sequence.
-        gltf::load(path, root, meter).map_err(|error| error.to_string())?;
-        let up = if up == Some(Up::Z) { UpAxis::Z } else { UpAxis::Y };
+    fn scene(path: &Path, up: Option<Up>, root: &Root, meter: &Arc<LoadProgress>) -> Result<Self, String> {
+        let up = up_axis(up, UpAxis::Y);
         let text = format!("(objects: {{ \"part\": {} }})", scene_object(&written(path, None)?, up, ""));
         let sequence = load_text(Path::new("part.ron"), &text, root.clone(), meter);
-        let bounds = bounds(&sequence.map_err(|error| error.to_string())?);
-        if bounds.is_empty() {
-            return Err("it has no triangles".to_owned());
-        }
+        // What is wrong with the file alone does not name a sequence.
+        let explained = |error: LoadError| match gltf::load(path, root, meter) {
+            Err(own) => own.to_string(),
+            Ok(_) => error.to_string(),
+        };
         Ok(Self {
-            name: name(path),
-            file: written(path, folder)?,
+            name: String::new(),
+            file: String::new(),
             is_scene: true,
             up,
-            bounds,
+            bounds: bounds(&sequence.map_err(explained)?),
             // Of materials, glTF files have at least their default.
             has_colors: true,
             has_normals: true,
         })
+    }
+}
+
+fn up_axis(given: Option<Up>, usual: UpAxis) -> UpAxis {
+    match given {
+        Some(Up::Y) => UpAxis::Y,
+        Some(Up::Z) => UpAxis::Z,
+        None => usual,
     }
 }
 
@@ -121,15 +116,15 @@ fn bounds(sequence: &Sequence) -> Aabb {
             _ => return bounds,
         };
         let to_world = sequence.to_world(index, start);
-        let corners =
-            mesh.triangles().as_flattened().iter().filter_map(|&at| mesh.positions().get(at as usize));
-        bounds.union(Aabb::around(corners.map(|corner: &DVec3| to_world.transform_point3(*corner))))
+        let place = |corner| to_world.transform_point3(corner);
+        bounds.union(bounds_of(mesh.triangles(), mesh.positions(), place))
     })
 }
 
-/// The name of a part: that of its file.
-fn name(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "part".to_owned(), |stem| stem.to_string_lossy().into_owned())
+/// Around the corners of triangles, each at its place.
+fn bounds_of(triangles: &[[u32; 3]], positions: &[DVec3], place: impl Fn(DVec3) -> DVec3) -> Aabb {
+    let corners = triangles.as_flattened().iter().filter_map(|&at| positions.get(at as usize));
+    Aabb::around(corners.map(|corner| place(*corner)))
 }
 
 /// A path relative to the folder of the sequence.

@@ -149,41 +149,45 @@ impl SampleSets {
         };
         let highest = |noises: &[Noise]| noises.iter().map(|noise| noise.high).fold(0.0, f64::max);
         let high = highest(&noises);
-        let mut is_reached = high <= target.error;
         let is_last = 2 * self.picture > target.most;
-        if !is_reached && !meter.is_stopped() {
+        let denoised = move |is_reached: bool| {
+            let capped = if is_last && !is_reached { 1.0 } else { 0.0 };
+            film.noises = noises.into_iter().map(|noise| Noise { capped, ..noise }).collect();
+            NextStep::Done(film)
+        };
+        if high <= target.error {
+            return denoised(true);
+        }
+        let alone = (!meter.is_stopped()).then(|| {
             let (halves, traced) = (self.films().halves, (self.picture, self.rays));
             let mut samples = AdaptiveFrame::of_halves(halves, traced, seed, target, weightings);
             let is_complete = samples.settle(meter);
-            if !meter.is_stopped() {
-                if samples.is_reached() || is_last && is_complete {
-                    // Samples alone have reached the target, or their limit. The better film counts.
-                    is_reached = samples.is_reached();
-                    let sampled = samples.film();
-                    if highest(&sampled.noises) < high {
-                        return NextStep::Done(sampled);
-                    }
-                } else if is_last {
-                    // The limit leaves room for samples alone, but not for another round of all films.
-                    let left = (f64::from(self.picture) / f64::from(target.most)).sqrt();
-                    if highest(&samples.noises()) * left < high {
-                        return NextStep::Samples(samples);
-                    }
-                } else if samples.samples_left() < self.samples_left(high / target.error) {
-                    return NextStep::Samples(samples);
-                } else {
-                    self.start_round();
-                    return NextStep::Part(self);
-                }
-            }
+            (samples, is_complete)
+        });
+        let Some((samples, is_complete)) = alone.filter(|_| !meter.is_stopped()) else {
+            meter.unfinished.fetch_or(!is_last, Relaxed);
+            return denoised(false);
+        };
+        if samples.is_reached() || is_last && is_complete {
+            // Samples alone have reached the target, or their limit. The better film counts.
+            let (is_reached, sampled) = (samples.is_reached(), samples.film());
+            return if highest(&sampled.noises) < high {
+                NextStep::Done(sampled)
+            } else {
+                denoised(is_reached)
+            };
         }
-        let is_enough = is_reached || is_last;
-        if !is_enough && meter.is_stopped() {
-            meter.unfinished.store(true, Relaxed);
+        if is_last {
+            // The limit leaves room for samples alone, but not for another round of all films.
+            let left = (f64::from(self.picture) / f64::from(target.most)).sqrt();
+            let gains = highest(&samples.noises()) * left < high;
+            return if gains { NextStep::Samples(samples) } else { denoised(false) };
         }
-        let capped = if is_last && !is_reached { 1.0 } else { 0.0 };
-        film.noises = noises.into_iter().map(|noise| Noise { capped, ..noise }).collect();
-        NextStep::Done(film)
+        if samples.samples_left() < self.samples_left(high / target.error) {
+            return NextStep::Samples(samples);
+        }
+        self.start_round();
+        NextStep::Part(self)
     }
 
     /// The samples per pixel that rounds of all films would still take, if the upper end of the error is so many times the

@@ -22,7 +22,7 @@ impl Writer<'_> {
         match value {
             Value::Atom(atom) => match self.form(atom) {
                 Some(Form::Word) => json::name(atom).to_owned(),
-                _ if atom.starts_with("\"=") => no_expression(atom),
+                _ if atom.starts_with("\"=") => plain_text(atom),
                 _ => (*atom).to_owned(),
             },
             Value::Brackets(brackets) if brackets.open == "{" => self.object(brackets),
@@ -88,7 +88,7 @@ impl Writer<'_> {
 }
 
 /// A text in quotes that RON would read as an expression, as the text that it is in JSON.
-fn no_expression(atom: &str) -> String {
+fn plain_text(atom: &str) -> String {
     ron::from_str::<String>(atom).map_or_else(|_| atom.to_owned(), |text| quoted_value(&text))
 }
 

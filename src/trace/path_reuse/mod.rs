@@ -32,7 +32,7 @@ use crate::scene::top_level::Bvh;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use tile::{Limits, SharedPart, TileTracer, in_order};
+use tile::{Limits, SharedTile, TileTracer, in_order};
 
 /// The most frames that are traced together.
 pub const MAX_FRAMES: usize = FrameMask::BITS as usize;
@@ -177,16 +177,12 @@ impl<'a> SharedFrames<'a> {
                 let (x, y) = (tile.columns.start, tile.rows.start);
                 let _span = tracing::trace_span!("tile", x, y, films = count).entered();
                 let shared = tracer.share_tile(tile);
-                let is_complete = shared.pixels == tile.columns.len() * tile.rows.len();
-                advance(&shared.counts, if is_complete { frames } else { 0 });
+                advance(&shared.counts, if shared.rest.is_empty() { frames } else { 0 });
                 shared
             });
-            let shared: Vec<SharedPart> = shared.collect();
-            for (tile, SharedPart { data, pixels, counts: more }) in tiles.iter().zip(shared) {
-                let mut shared = in_order(tile);
-                let rest = shared.split_off(pixels);
-                let each = (data.len() / count).max(1);
-                films.iter_mut().zip(data.chunks(each)).for_each(|(film, data)| store(film, &shared, data));
+            let shared: Vec<SharedTile> = shared.collect();
+            for (tile, SharedTile { pixels, data, rest, counts: more }) in tiles.iter().zip(shared) {
+                films.iter_mut().zip(&data).for_each(|(film, data)| store(film, &pixels, data));
                 counts += more;
                 if !rest.is_empty() {
                     whole.push((tile, rest));

@@ -41,12 +41,14 @@ const PIXELS: usize = (BLOCK.0 * BLOCK.1) as usize;
 /// Pixels in the middle of a tile that show whether sharing pays there.
 const TRIED: usize = 2 * PIXELS;
 
-/// The pixels of a tile that are traced together for all frames.
-pub struct SharedPart {
-    /// Their layers, frame after frame.
-    pub data: Vec<Rgb>,
-    /// Their number: the first ones of [`in_order`]. The others are less work frame by frame.
-    pub pixels: usize,
+/// A tile whose pixels were traced together for all frames, as far as that pays.
+pub struct SharedTile {
+    /// The pixels that were traced together.
+    pub pixels: Vec<(u32, u32)>,
+    /// The layers of these pixels, for each frame.
+    pub data: Vec<Vec<Rgb>>,
+    /// The other pixels, which are less work frame by frame.
+    pub rest: Vec<(u32, u32)>,
     pub counts: Counts,
 }
 
@@ -94,28 +96,29 @@ impl<'a> TileTracer<'a> {
     }
 
     /// Traces the pixels of a tile for all frames together, as far as that pays: first a few of them, then the others.
-    pub fn share_tile(&self, tile: &Tile) -> SharedPart {
-        let (pixels, layers, mut counts) = (in_order(tile), self.shared.layers(), Counts::default());
-        let size = pixels.len() * layers;
-        let mut films = vec![DVec3::ZERO; self.frames * size];
+    pub fn share_tile(&self, tile: &Tile) -> SharedTile {
+        let (mut pixels, mut counts) = (in_order(tile), Counts::default());
+        let mut films: Vec<Vec<DVec3>> = vec![Vec::new(); self.frames];
         let samples = f64::from(self.shared.count());
         let mut done = 0;
         while done < pixels.len() && self.limits.allow(&counts) {
             let at_once = self.pixels_at_once();
             let part = if done == 0 { TRIED.min(at_once) } else { at_once };
             let part = &pixels[done..pixels.len().min(done + part)];
+            let first = done * self.shared.layers();
+            done += part.len();
+            films.iter_mut().for_each(|film| film.resize(done * self.shared.layers(), DVec3::ZERO));
             for (pose, mut sums) in self.poses.iter().zip(self.share(part, &mut counts)) {
                 if samples > 1.0 {
                     sums.iter_mut().for_each(|sum| *sum /= samples);
                 }
-                pose.add(&sums, &mut films[pose.frame * size + done * layers..][..sums.len()]);
+                pose.add(&sums, &mut films[pose.frame][first..]);
             }
-            done += part.len();
         }
-        let of_frame = |film: &[DVec3]| self.held(&film[..done * layers]);
-        let data = films.chunks(size.max(1)).flat_map(of_frame).collect();
+        let data = films.iter().map(|film| self.held(film)).collect();
         counts.paths.all += self.frames as u64 * self.paths(done);
-        SharedPart { data, pixels: done, counts }
+        let rest = pixels.split_off(done);
+        SharedTile { pixels, data, rest, counts }
     }
 
     /// Some pixels of one frame, which is traced whole.
