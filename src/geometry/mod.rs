@@ -12,4 +12,5 @@ pub mod mesh;
 pub mod motion;
 pub mod ray_kinds;
 pub mod shape;
+pub mod table_rows;
 pub mod transform;

@@ -7,6 +7,7 @@ use crate::appearance::light::{Light, Source};
 use crate::appearance::material::{Material, MaterialBinding};
 use crate::base::math::{DAffine3, DVec3};
 use crate::geometry::shape::{Shape, Solid};
+use crate::geometry::table_rows::TableRow;
 use crate::geometry::transform::TransformTracks;
 use crate::world::{
     AreaLight, ClipPlanes, Current, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, Transform,
@@ -29,6 +30,7 @@ pub fn geometry_changed(
 /// Only objects that may move, or whose shape may change, have tracks.
 type ObjectChange = Or<(
     Changed<ClipPlanes>,
+    Changed<TableRow>,
     (With<TransformTracks>, Or<(Changed<Transform>, Changed<Visible>)>),
     (Or<(With<ShapeSeries>, With<ShapeDeformed>, With<ShapeParticles>)>, Changed<Shape>),
 )>;
@@ -47,19 +49,20 @@ pub fn weights_changed(changed: Query<(), Changed<Weight>>) -> bool {
 }
 
 /// An object, as it is packed.
-type Object = (
-    &'static Slot,
-    &'static Shape,
-    &'static Transform,
-    &'static Visible,
-    &'static MaterialBinding,
-    Option<&'static ClipPlanes>,
+type Object<'w> = (
+    &'w Slot,
+    &'w Shape,
+    &'w Transform,
+    &'w Visible,
+    &'w MaterialBinding,
+    Option<&'w ClipPlanes>,
+    Option<&'w TableRow>,
 );
 
 /// Packs the slots of objects and lights that have changed; the first time, of all.
 pub fn geometry(
-    all: Query<Object>,
-    changed: Query<Object, ObjectChange>,
+    all: Query<Object<'static>>,
+    changed: Query<Object<'static>, ObjectChange>,
     lights: Query<(&FileOrder, &Slot, &Light), LightChange>,
     mut geometry: ResMut<Current<Geometry>>,
 ) {
@@ -67,19 +70,13 @@ pub fn geometry(
     let packed = &mut geometry.bypass_change_detection().0;
     packed.forget_old_changes();
     let before = packed.revision();
-    let mut pack = |(slot, shape, at, visible, of, cut): (
-        &Slot,
-        &Shape,
-        &Transform,
-        &Visible,
-        &MaterialBinding,
-        Option<&ClipPlanes>,
-    )| {
+    let mut pack = |(slot, shape, at, visible, of, cut, row): Object<'_>| {
         // A deformed mesh without an area is a group for that moment.
         let shows = !visible.is_hidden() && !matches!(shape, Shape::Group);
         let cut = cut.filter(|_| shows).map(|cut| Shape::Solid(Solid::cut(shape, cut.0.iter().copied())));
         let content = (cut.as_ref().unwrap_or(shape), at.0, Finish::Material(*of));
         packed.set_seen(slot.0 as usize, shows.then_some(content), visible.0);
+        packed.set_row(slot.0 as usize, row.filter(|_| shows));
     };
     match first {
         true => all.iter().for_each(&mut pack),

@@ -6,11 +6,12 @@ use super::journal::Journal;
 use super::primitive::{Finish, Primitive};
 use super::surfaces::SurfaceTable;
 use crate::appearance::texture::{Footprint, TextureEvalContext, TextureInputs};
-use crate::base::digest::{Content, Digest};
+use crate::base::digest::{Content, Digest, Digester};
 use crate::base::math::{DAffine3, DVec2, DVec3, absolute, inverse};
 use crate::geometry::mesh::ArrayKey;
 use crate::geometry::ray_kinds::{RayKind, RayKinds};
 use crate::geometry::shape::{Mesh, Particles, Shape, Surface};
+use crate::geometry::table_rows::TableRow;
 use std::collections::HashMap;
 
 /// The primitives in the order of the file, each in a slot of its own. The slot of a hidden or flattened object is
@@ -43,11 +44,24 @@ impl PartialEq for Geometry {
     }
 }
 
-/// A shape in its own space.
-#[derive(Clone, Debug, PartialEq, Content)]
+/// A shape in its own space, and its numbers of a table.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Origin {
     shape: Shape,
     to_object: DAffine3,
+    row: Option<TableRow>,
+}
+
+impl Content for Origin {
+    fn feed(&self, into: &mut Digester) {
+        let Self { shape, to_object, row } = self;
+        shape.feed(into);
+        to_object.feed(into);
+        // Most shapes have none.
+        if let Some(row) = row {
+            row.feed(into);
+        }
+    }
 }
 
 impl Origin {
@@ -56,7 +70,7 @@ impl Origin {
         &self.to_object
     }
 
-    const EMPTY: Self = Self { shape: Shape::Group, to_object: DAffine3::IDENTITY };
+    const EMPTY: Self = Self { shape: Shape::Group, to_object: DAffine3::IDENTITY, row: None };
 }
 
 /// The number of primitives that use each index of a list.
@@ -139,6 +153,14 @@ impl Geometry {
             self.replace(slot, primitive);
         }
         self.journal.note(slot as u32);
+    }
+
+    /// Sets the numbers of a table that the object of a slot has. Nothing is written if that changes nothing.
+    pub fn set_row(&mut self, slot: usize, row: Option<&TableRow>) {
+        if self.origins[slot].row.as_ref() != row {
+            self.origins[slot].row = row.cloned();
+            self.journal.note(slot as u32);
+        }
     }
 
     fn replace(&mut self, slot: usize, primitive: Primitive) {
@@ -236,11 +258,17 @@ impl Geometry {
         seen: &Footprint,
         inputs: TextureInputs,
     ) -> TextureEvalContext<'_> {
-        let Origin { shape, to_object } = &self.origins[hit.primitive as usize];
+        let Origin { shape, to_object, row } = &self.origins[hit.primitive as usize];
         let (point, part) = (to_object.transform_point3(surface.point), hit.at.part);
         let error = absolute(to_object).transform_vector3(surface.error);
-        let mut context =
-            TextureEvalContext { point, error, shape: Some(shape), part, ..TextureEvalContext::default() };
+        let mut context = TextureEvalContext {
+            point,
+            error,
+            shape: Some(shape),
+            part,
+            row: row.as_ref(),
+            ..TextureEvalContext::default()
+        };
         let uv = |point: DVec3| DVec2::from(shape.uv::<f64>(point.into(), part));
         if inputs.uv {
             (context.uv, context.ends) = (uv(point), shape.uv_ends(part));

@@ -76,8 +76,7 @@ fn map(node: Node<'_>) -> Option<ListedMap> {
 fn source(fields: &mut Fields<'_>) -> Option<DataSource> {
     let of = fields.required("of", |node| {
         if node.is_text() {
-            let key = |name| ArrayKey { name, centering: None, component: Component::Whole };
-            return text(node).map(key).map(DataSource::Array);
+            return text(node).map(ArrayKey::whole).map(DataSource::Array);
         }
         node.ask_words("coordinate", AXES.iter().map(|(axis, _)| axis));
         let Some(name) = node.bare_word().filter(|name| !AXES.iter().any(|(axis, _)| axis == name)) else {

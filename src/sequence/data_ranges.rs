@@ -8,6 +8,7 @@ use crate::appearance::material::MaterialTracks;
 use crate::appearance::texture::{DataScale, DataSource, DataTexture};
 use crate::geometry::mesh::{ArrayKey, Centering, Component, DataArray};
 use crate::geometry::shape::{self, Shape};
+use crate::geometry::table_rows::TableColumns;
 use crate::import::series::MeshSeries;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -17,11 +18,12 @@ use std::path::Path;
 type Ranges = HashMap<(DataSource, DataScale), (Option<[f64; 2]>, usize)>;
 
 /// Reports objects that lack the data of their materials, and sets the ranges that are `Auto`: one for all objects that
-/// show the same data on the same scale. `places` holds the place of each object's material.
+/// show the same data on the same scale. Objects whose materials show no data lose their rows of tables. `places` holds the
+/// place of each object's material.
 pub fn resolve(
     file: &File<'_>,
     materials: &mut [Named<MaterialTracks>],
-    objects: &[Named<Object>],
+    objects: &mut [Named<Object>],
     places: &[Range<usize>],
 ) {
     let mut data: Vec<Vec<DataTexture>> = Vec::new();
@@ -31,7 +33,12 @@ pub fn resolve(
         data.push(found);
     }
     let mut ranges = Ranges::new();
+    let mut before: Option<&Object> = None;
     for (object, place) in objects.iter().zip(places) {
+        // Each of many instances has the data of the others.
+        if before.replace(&object.value).is_some_and(|before| are_instances(before, &object.value)) {
+            continue;
+        }
         let shown = object.value.made_of.indices().filter_map(|index| data.get(index as usize));
         let mut seen: Vec<&DataSource> = Vec::new();
         for texture in shown.flatten().filter(|_| object.value.shape != Shape::Group) {
@@ -41,6 +48,12 @@ pub fn resolve(
                 file.push(*fault);
             }
             seen.push(&texture.source);
+        }
+    }
+    for Named { value: object, .. } in &mut *objects {
+        let shown = || object.made_of.indices().filter_map(|index| data.get(index as usize)).flatten();
+        if object.row.is_some() && !shown().any(|texture| matches!(texture.source, DataSource::Array(_))) {
+            object.row = None;
         }
     }
     let found = |texture: &DataTexture| ranges.get(&(texture.source.clone(), texture.scale));
@@ -69,23 +82,19 @@ fn note(
     let counts = |value: f64| scale.has(value);
     let range = match source {
         DataSource::Array(key) => {
-            let (name, arrays) = match (&object.shape, &object.tracks) {
-                (Shape::Mesh(shape::Mesh { mesh, .. }), _) => ("mesh", mesh.arrays()),
-                (_, Some(ShapeTracks::Particles(particles))) => ("table", particles.columns()),
-                _ => return Err(Box::new(no_mesh(key, place))),
-            };
-            let array = found(arrays, key).ok_or_else(|| {
-                let why = match &object.tracks {
-                    Some(ShapeTracks::Particles(particles)) => particles.unusable(&key.name),
-                    _ => None,
-                };
-                Box::new(match why {
+            let owners = owners(object);
+            if owners.is_empty() {
+                return Err(Box::new(no_data(key, place)));
+            }
+            let Some((owner, array)) = owners.iter().find_map(|owner| Some((owner, owner.find(key)?))) else {
+                let why = owners.iter().find_map(|owner| owner.columns()?.unusable(&key.name));
+                return Err(Box::new(match why {
                     Some(why) => no_numbers(&key.name, why, place),
-                    None => missing(key, (name, arrays), place),
-                })
-            })?;
-            match (&object.shape, &object.tracks) {
-                (_, Some(ShapeTracks::Series(series))) => {
+                    None => missing(key, &owners[0], place),
+                }));
+            };
+            match (owner, &object.shape, &object.tracks) {
+                (Owner::Mesh(_), _, Some(ShapeTracks::Series(series))) => {
                     let range = series_range(series, key, *scale);
                     let range = range.map_err(|file| Box::new(lacking(key, file, place)))?;
                     if !auto {
@@ -94,7 +103,7 @@ fn note(
                     range
                 }
                 _ if !auto => return Ok(()),
-                (Shape::Mesh(shape::Mesh { mesh, .. }), _) => mesh.array_range(key, counts),
+                (Owner::Mesh(_), Shape::Mesh(shape::Mesh { mesh, .. }), _) => mesh.array_range(key, counts),
                 _ => array.range(0..array.entries(), key.component, counts),
             }
         }
@@ -112,6 +121,55 @@ fn note(
     let (whole, _) = ranges.entry((source.clone(), *scale)).or_insert((None, place.start));
     *whole = union(*whole, range);
     Ok(())
+}
+
+/// What has data.
+enum Owner<'a> {
+    Mesh(&'a [DataArray]),
+    Table(&'a TableColumns),
+}
+
+impl<'a> Owner<'a> {
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Mesh(_) => "mesh",
+            Self::Table(_) => "table",
+        }
+    }
+
+    fn arrays(&self) -> &'a [DataArray] {
+        match self {
+            Self::Mesh(arrays) => arrays,
+            Self::Table(columns) => columns.arrays(),
+        }
+    }
+
+    fn columns(&self) -> Option<&'a TableColumns> {
+        match self {
+            Self::Mesh(_) => None,
+            Self::Table(columns) => Some(columns),
+        }
+    }
+
+    fn find(&self, key: &ArrayKey) -> Option<&'a DataArray> {
+        found(self.arrays(), key)
+    }
+}
+
+/// What may have the data of an object, in the order in which textures ask.
+fn owners(object: &Object) -> Vec<Owner<'_>> {
+    let of_shape = match (&object.shape, &object.tracks) {
+        (Shape::Mesh(shape::Mesh { mesh, .. }), _) => Some(Owner::Mesh(mesh.arrays())),
+        (_, Some(ShapeTracks::Particles(particles))) => Some(Owner::Table(particles.columns())),
+        _ => None,
+    };
+    of_shape.into_iter().chain(object.row.as_ref().map(|row| Owner::Table(row.columns()))).collect()
+}
+
+/// Whether both are instances of one shape in one table.
+fn are_instances(one: &Object, other: &Object) -> bool {
+    let shared = one.row.as_ref().zip(other.row.as_ref()).is_some_and(|(row, other)| row.shares_table(other));
+    shared && one.made_of == other.made_of && one.shape == other.shape && one.tracks == other.tracks
 }
 
 /// The array that has these numbers.
@@ -149,8 +207,8 @@ fn lacking(key: &ArrayKey, file: &Path, place: &Range<usize>) -> Fault {
     Fault::new(place.clone(), title, format!("{:?} has none", shortened(&file)))
 }
 
-fn no_mesh(key: &ArrayKey, place: &Range<usize>) -> Fault {
-    let title = format!("only meshes and particles have data such as `{}`", shortened(&key.name));
+fn no_data(key: &ArrayKey, place: &Range<usize>) -> Fault {
+    let title = format!("only meshes, particles and instances have data such as `{}`", shortened(&key.name));
     Fault::new(place.clone(), title, "the shape of this object has none")
         .help("X, Y and Z are the coordinates of any shape")
 }
@@ -169,7 +227,8 @@ fn endless(place: &Range<usize>) -> Fault {
 }
 
 /// The fault of data that a mesh or a table lacks.
-fn missing(key: &ArrayKey, (owner, arrays): (&str, &[DataArray]), place: &Range<usize>) -> Fault {
+fn missing(key: &ArrayKey, owner: &Owner<'_>, place: &Range<usize>) -> Fault {
+    let (owner, arrays) = (owner.name(), owner.arrays());
     let whole = ArrayKey { component: Component::Whole, ..key.clone() };
     let name = shortened(&key.name);
     if let (Some(array), Component::Index(index)) = (found(arrays, &whole), key.component) {

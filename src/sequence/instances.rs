@@ -4,7 +4,7 @@ use super::fault::Fault;
 use super::fields::Fields;
 use super::node::Node;
 use super::pose_columns::{ColumnName, PoseColumns, column, columns, given_columns};
-use super::pose_tracks::{Placement, PoseFault, at_row, placements, values};
+use super::pose_tracks::{LastRow, Placement, PlacementColumns, PoseFault, at_row, placements, values};
 use super::poses::table;
 use super::shape::{ShapeOverTime, shape};
 use super::suggest::shortened;
@@ -29,14 +29,7 @@ enum Scale {
 /// Decodes instances.
 pub fn instances(node: Node<'_>) -> Option<Instances> {
     let mut fields = Fields::of(node, "`Instances`")?;
-    let shape = fields.required("shape", |node| {
-        let decoded = shape(node)?;
-        if decoded.shape == Shape::Group {
-            node.fault(Fault::new(node.span(), "instances need a visible shape", "this one is invisible"));
-            return None;
-        }
-        Some(decoded)
-    });
+    let shape = fields.required("shape", instance_shape);
     let (mut place, mut name) = (node.span(), String::new());
     let table = fields.required("file", |node| {
         place = node.span();
@@ -61,6 +54,16 @@ pub fn instances(node: Node<'_>) -> Option<Instances> {
             None
         }
     }
+}
+
+/// The shape of all instances, which is visible.
+pub fn instance_shape(node: Node<'_>) -> Option<ShapeOverTime> {
+    let decoded = shape(node)?;
+    if decoded.shape == Shape::Group {
+        node.fault(Fault::new(node.span(), "instances need a visible shape", "this one is invisible"));
+        return None;
+    }
+    Some(decoded)
 }
 
 /// A factor above 0, a column of factors, or a column for each axis.
@@ -99,7 +102,8 @@ fn placed(
             (0..table.rows()).map(|row| DVec3::new(x[row], y[row], z[row])).collect()
         }
     };
-    placements(table, poses, id.as_ref(), scales, node.file.clock.get())
+    let last_row = LastRow::HoldsUntilNext;
+    placements(table, PlacementColumns { poses, id: id.as_ref(), scales, last_row }, node.file.clock.get())
 }
 
 /// A column of factors.

@@ -81,6 +81,7 @@ mod shape;
 mod shape_tracks;
 mod source_file;
 mod suggest;
+mod table_columns;
 mod symbols;
 mod syntax;
 mod table_files;
@@ -122,6 +123,7 @@ use crate::encode::{Formats, Output, Tonemap};
 use crate::geometry::clip::ClipPlane;
 use crate::geometry::ray_kinds::RayVisibility;
 use crate::geometry::shape::Shape;
+use crate::geometry::table_rows::RowTrack;
 use crate::geometry::transform::TransformTracks;
 use crate::sequence::quality::Quality;
 use crate::track::Animated;
@@ -203,6 +205,8 @@ pub struct Object {
     pub skin_of: Option<usize>,
     /// Planes in its space that cut it open, and all objects below it.
     pub clip: Vec<ClipPlane>,
+    /// Its row of a table over time, if a texture of its materials may read numbers of it.
+    pub row: Option<RowTrack>,
 }
 
 #[warn(missing_docs)]
@@ -219,6 +223,7 @@ impl Object {
             parent: None,
             skin_of: None,
             clip: Vec::new(),
+            row: None,
         }
     }
 }

@@ -5,7 +5,6 @@ use super::expand::{REPEAT, TEMPLATE, WITH, report_misplaced};
 use super::explode::{ExplodeDraft, explode};
 use super::fault::Fault;
 use super::fields::Fields;
-use super::instances::instances;
 use super::keys::keyed;
 use super::material::{is_material, material, resembles_a_kind};
 use super::material_description::{MaterialDescription, MeshMaterials};
@@ -15,7 +14,7 @@ use super::names::{Entry, Names};
 use super::node::Node;
 use super::pose_tracks::Placement;
 use super::scene::{SceneDraft, is_scene};
-use super::shape::{INSTANCES, ShapeOverTime, shape};
+use super::shape::{ShapeOverTime, shown_shape};
 use super::shape_tracks::ShapeTracks;
 use super::suggest::{listed, nearest, shortened};
 use super::transform::transform;
@@ -102,18 +101,14 @@ pub fn object(
     }
     let (mut place, mut placements) = (fields.place("shape"), None);
     let shape = fields.required("shape", |node| {
-        let one = match node.word() {
-            INSTANCES => {
-                let decoded = instances(node)?;
-                placements = Some(decoded.placements);
-                decoded.shape
-            }
+        let one = if is_scene(&node) {
             // Its faults are reported already.
-            _ if is_scene(&node) => {
-                scene.as_ref()?;
-                ShapeOverTime { shape: Shape::Group, tracks: None }
-            }
-            _ => shape(node)?,
+            scene.as_ref()?;
+            ShapeOverTime { shape: Shape::Group, tracks: None }
+        } else {
+            let shown = shown_shape(node)?;
+            placements = shown.placements;
+            shown.shape
         };
         if let Shape::Mesh(_) = one.shape {
             place = file_place(node);

@@ -70,7 +70,7 @@ pub fn materials_and_objects(
     let deformed = deformed.map(|(index, scene)| SceneDeformations { place: places[index].clone(), ..scene });
     deform(fields.node().file, &mut objects, deformed.collect());
     let mut materials = table.finish();
-    data_ranges::resolve(fields.node().file, &mut materials, &objects, &places);
+    data_ranges::resolve(fields.node().file, &mut materials, &mut objects, &places);
     Some(MaterialsAndObjects { materials, objects, carried })
 }
 
@@ -178,7 +178,7 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
         let (shape, tracks) = match placements {
             None => (shape, tracks),
             Some(placements) => {
-                let instance = |(number, Placement { transform, visible })| {
+                let instance = |(number, Placement { transform, visible, row })| {
                     let (shape, tracks) = (shape.clone(), tracks.clone());
                     let value = Object {
                         shape,
@@ -190,6 +190,7 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
                         parent: Some(index),
                         skin_of: None,
                         clip: Vec::new(),
+                        row: Some(row),
                     };
                     Named { name: format!("{name}[{number}]"), value }
                 };
@@ -197,7 +198,8 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
                 (Shape::Group, None)
             }
         };
-        let value = Object { shape, tracks, made_of, transform, visible, rays, parent, skin_of: None, clip };
+        let (skin_of, row) = (None, None);
+        let value = Object { shape, tracks, made_of, transform, visible, rays, parent, skin_of, clip, row };
         objects.push(Named { name, value });
     }
     (objects, below)
@@ -234,6 +236,7 @@ fn scene_objects(
             parent,
             skin_of,
             clip: Vec::new(),
+            row: None,
         };
         Named { name, value }
     };

@@ -1,15 +1,19 @@
-//! Decodes `Particles`: the rows of a table as spheres over time.
+//! Decodes `Particles`: the rows of a table as spheres over time, or as another shape in the size of each particle.
 
 use super::fault::Fault;
 use super::fields::Fields;
+use super::instances::{Instances, instance_shape};
 use super::node::Node;
-use super::pose_columns::{ColumnName, POSITIONS, TIMES, column};
-use super::pose_tracks::{PoseFault, TimedRows, at_row, values, vectors};
+use super::pose_columns::{ColumnName, POSITIONS, PoseColumns, TIMES, column};
+use super::pose_tracks::{
+    LastRow, Placement, PlacementColumns, PoseFault, TimedRows, at_row, placements, values, vectors,
+};
 use super::poses::table;
 use super::suggest::{listed, shortened};
+use super::table_columns::DataColumns;
 use super::values::{each, file_path, is_number, positive, tuple};
-use crate::geometry::shape::Sphere;
-use crate::geometry::shape::{ParticleRows, ParticleTracks, SameTime};
+use crate::base::math::DVec3;
+use crate::geometry::shape::{ParticleRows, ParticleTracks, SameTime, Shape, Sphere};
 use crate::import::table::{Table, TableError};
 use std::ops::Range;
 use std::sync::Arc;
@@ -28,8 +32,15 @@ enum Radius {
     Column(ColumnName),
 }
 
+/// What particles show.
+pub enum ShownParticles {
+    Spheres(Arc<ParticleTracks>),
+    /// Another shape, each an object of its own.
+    Shapes(Instances),
+}
+
 /// Decodes particles from these fields.
-pub fn particles(fields: &mut Fields<'_>) -> Option<Arc<ParticleTracks>> {
+pub fn particles(fields: &mut Fields<'_>) -> Option<ShownParticles> {
     let (mut place, mut name) = (fields.node().span(), String::new());
     let table = fields.required("file", |node| {
         place = node.span();
@@ -37,10 +48,18 @@ pub fn particles(fields: &mut Fields<'_>) -> Option<Arc<ParticleTracks>> {
         table(node, &name)
     });
     let given = given_columns(fields);
+    let shape = fields.optional("shape", instance_shape);
     let (table, node) = (table?, fields.node());
     let columns = columns(given, node, &table, &place)?;
-    match rows(&table, &columns, node) {
-        Ok(tracks) => Some(Arc::new(tracks)),
+    // A sphere of radius 1 in the size of a particle is what particles are without a shape.
+    let unit_sphere = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });
+    let shown = match shape?.filter(|given| given.shape != unit_sphere) {
+        None => rows(&table, &columns, node).map(|tracks| ShownParticles::Spheres(Arc::new(tracks))),
+        Some(shape) => scaled_placements(&table, columns, node)
+            .map(|placements| ShownParticles::Shapes(Instances { shape, placements })),
+    };
+    match shown {
+        Ok(shown) => Some(shown),
         Err((place, error)) => {
             let title = format!("cannot use the particles in {:?}", shortened(&name));
             node.fault(Fault::new(place, title, error.to_string()));
@@ -98,8 +117,8 @@ fn rows(table: &Table, columns: &Columns, node: Node<'_>) -> Result<ParticleTrac
     let radii = radii(table, &columns.radius)?;
     let spheres = centers.into_iter().zip(radii).map(|(center, radius)| Sphere { center, radius }).collect();
     let timed = TimedRows::of(table, columns.time.as_ref(), node.file.clock.get())?;
-    let mut rows = ParticleRows { spheres, ..ParticleRows::default() };
-    add_columns(&mut rows, table);
+    let DataColumns { numbers, unusable } = DataColumns::of(table);
+    let mut rows = ParticleRows { spheres, columns: numbers, unusable, ..ParticleRows::default() };
     if timed.times.len() > 1 {
         let id = columns.id.as_ref();
         let ids = TimedRows::ids(table, columns.time.as_ref(), id)?;
@@ -109,6 +128,15 @@ fn rows(table: &Table, columns: &Columns, node: Node<'_>) -> Result<ParticleTrac
     }
     // Particles without times are not compared with each other.
     ParticleTracks::new(rows).map_err(|_| (node.span(), TableError::new("two rows are one particle")))
+}
+
+/// Where each particle is, in the size of its radius.
+fn scaled_placements(table: &Table, columns: Columns, node: Node<'_>) -> Result<Vec<Placement>, PoseFault> {
+    let Columns { time, id, position, radius } = columns;
+    let scales = radii(table, &radius)?.into_iter().map(DVec3::splat).collect();
+    let poses = &PoseColumns { time, position: Some(position), rotation: None };
+    let placed = PlacementColumns { poses, id: id.as_ref(), scales, last_row: LastRow::Ends };
+    placements(table, placed, node.file.clock.get())
 }
 
 fn radii(table: &Table, radius: &Radius) -> Result<Vec<f64>, PoseFault> {
@@ -124,15 +152,5 @@ fn radii(table: &Table, radius: &Radius) -> Result<Vec<f64>, PoseFault> {
             Err(at_row(table, row, name, why))
         }
         None => Ok(radii.to_vec()),
-    }
-}
-
-/// Adds the columns of numbers, of which some may be missing; and the names of the others, with what they hold instead.
-fn add_columns(rows: &mut ParticleRows, table: &Table) {
-    for name in table.names() {
-        match table.column_with_gaps(name) {
-            Ok(values) => rows.columns.push((name.to_owned(), values.to_vec())),
-            Err(error) => rows.unusable.push((name.to_owned(), error.to_string())),
-        }
     }
 }

@@ -3,13 +3,16 @@
 use super::key_clock::KeyClock;
 use super::keys::row_time;
 use super::pose_columns::{ColumnName, MatrixOrder, PoseColumns, RotationColumns};
+use super::table_columns::DataColumns;
 use super::values::LARGEST;
 use crate::base::math::{DMat3, DQuat, DVec3, NotRigid, ROUNDED, rotation_and_scale, unit_quaternion};
 use crate::base::time::Time;
+use crate::geometry::table_rows::{RowTrack, TableColumns};
 use crate::geometry::transform::{Rotation, TransformTracks};
 use crate::import::table::{Table, TableError};
 use crate::track::{Animate, Animated, Ease, Key, Repeat, Track};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Maximum number of poses, as of keys in one list.
 const MOST_ROWS: usize = 1_000_000;
@@ -93,29 +96,47 @@ fn places(table: &Table, columns: &PoseColumns) -> Result<Places, PoseFault> {
 
 type Places = (Option<Vec<DVec3>>, Option<Vec<Row>>);
 
-/// Where one of many is over time.
+/// Where one of many is over time, and its rows of the table.
 pub struct Placement {
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
+    pub row: RowTrack,
 }
 
-/// Makes a placement of every row, or of all rows of one `id` if there are several times. `scales` holds a scale for each
-/// row.
+/// How a table holds placements.
+pub struct PlacementColumns<'a> {
+    pub poses: &'a PoseColumns,
+    pub id: Option<&'a ColumnName>,
+    /// The scale of each row.
+    pub scales: Vec<DVec3>,
+    pub last_row: LastRow,
+}
+
+/// When those vanish whose last row is before the last time of the table.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum LastRow {
+    /// Right after it.
+    Ends,
+    /// At the next time of the table.
+    HoldsUntilNext,
+}
+
+/// Makes a placement of every row, or of all rows of one `id` if there are several times.
 pub fn placements(
     table: &Table,
-    columns: &PoseColumns,
-    id: Option<&ColumnName>,
-    scales: Vec<DVec3>,
+    columns: PlacementColumns<'_>,
     clock: KeyClock,
 ) -> Result<Vec<Placement>, PoseFault> {
-    let (position, rotation) = places(table, columns)?;
+    let PlacementColumns { poses, id, scales, last_row } = columns;
+    let (position, rotation) = places(table, poses)?;
+    let data = Arc::new(TableColumns::from(DataColumns::of(table)));
     let place = |row: usize| -> (DVec3, DQuat, DVec3) {
         let own = rotation.as_ref().map(|rows| &rows[row]);
         let center = position.as_ref().map_or(DVec3::ZERO, |position| position[row]);
         let turn = own.map_or(DQuat::IDENTITY, |own| own.rotation);
         (center, turn, own.map_or(DVec3::ONE, |own| own.scale) * scales[row])
     };
-    let rows = TimedRows::of(table, columns.time.as_ref(), clock)?;
+    let rows = TimedRows::of(table, poses.time.as_ref(), clock)?;
     if rows.times.len() <= 1 {
         let still = |row| {
             let (center, turn, scale) = place(row);
@@ -126,18 +147,20 @@ pub fn placements(
                 scale: scale.into(),
                 ..TransformTracks::default()
             };
-            Placement { transform, visible: true.into() }
+            let row = RowTrack::still(Arc::clone(&data), row as u32);
+            Placement { transform, visible: true.into(), row }
         };
         return Ok((0..table.rows()).map(still).collect());
     }
-    let groups = rows.by_id(table, columns.time.as_ref(), id)?;
-    Ok(groups.iter().map(|group| placement(&rows, group, &place)).collect())
+    let groups = rows.by_id(table, poses.time.as_ref(), id)?;
+    Ok(groups.iter().map(|group| placement(&rows, group, (&data, last_row), &place)).collect())
 }
 
 /// The placement of rows of ascending time.
 fn placement(
     rows: &TimedRows,
     group: &[usize],
+    (data, last_row): (&Arc<TableColumns>, LastRow),
     place: &impl Fn(usize) -> (DVec3, DQuat, DVec3),
 ) -> Placement {
     let times: Vec<Time> = group.iter().map(|row| rows.time(*row)).collect();
@@ -151,13 +174,18 @@ fn placement(
     };
     let (first, last) = (rows.of_row[group[0]] as usize, rows.of_row[group[group.len() - 1]] as usize);
     let key = |(time, value)| Key { time, value, ease: Ease::Step };
-    // Hidden before the first row, and from the time after the last row on.
+    // Hidden before the first row, and after the last one.
     let born = (first > 0).then(|| [(rows.times[0], false), (rows.times[first], true)]);
-    let dead = rows.times.get(last + 1).map(|time| (*time, false));
+    let dead = rows.times.get(last + 1).map(|next| match last_row {
+        LastRow::HoldsUntilNext => (*next, false),
+        // So early that no frame is between.
+        LastRow::Ends => (rows.times[last] + (*next - rows.times[last]) / 1_000_000, false),
+    });
     let start = if first > 0 || dead.is_none() { None } else { Some((rows.times[0], true)) };
     let keys: Vec<_> = born.into_iter().flatten().chain(start).chain(dead).map(key).collect();
     let visible = Track::new(keys, Repeat::Hold, false).map_or(true.into(), Animated::Keyed);
-    Placement { transform, visible }
+    let group = group.iter().map(|row| *row as u32).collect();
+    Placement { transform, visible, row: RowTrack::new(Arc::clone(data), group, times) }
 }
 
 /// The times of a table's rows, in any order.

@@ -3,9 +3,11 @@
 use super::boolean::{OPERATIONS, solid};
 use super::fault::Fault;
 use super::fields::Fields;
+use super::instances::{Instances, instances};
 use super::mesh::mesh;
 use super::node::Node;
-use super::particles::particles;
+use super::particles::{ShownParticles, particles};
+use super::pose_tracks::Placement;
 use super::scene::{SCENE, is_scene};
 use super::shape_tracks::ShapeTracks;
 use super::text_shape::{TEXT, text_solid};
@@ -25,6 +27,19 @@ pub struct ShapeOverTime {
     pub tracks: Option<ShapeTracks>,
 }
 
+/// What an object shows.
+pub struct ShownShape {
+    pub shape: ShapeOverTime,
+    /// The places of its instances. None if the object itself has the shape.
+    pub placements: Option<Vec<Placement>>,
+}
+
+impl From<Instances> for ShownShape {
+    fn from(Instances { shape, placements }: Instances) -> Self {
+        Self { shape, placements: Some(placements) }
+    }
+}
+
 /// What objects may show besides shapes.
 pub const INSTANCES: &str = "Instances";
 
@@ -34,16 +49,31 @@ static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
     Shape::NAMES.iter().copied().chain(operations).chain([TEXT, INSTANCES, SCENE]).collect()
 });
 
-/// Any shape.
+/// A single shape: any but instances.
 pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
-    let name = known_word(node, "shape", &NAMES)?;
-    if name == INSTANCES {
+    if node.word() == INSTANCES {
         let title = "instances are places of one shape, not of other instances";
         node.fault(Fault::new(node.head(), title, "needs a shape of its own"));
         return None;
     }
+    let ShownShape { shape, placements } = shown_shape(node)?;
+    if placements.is_some() {
+        let title = "particles of this shape are objects of their own, which have no place here";
+        node.fault(Fault::new(node.head(), title, "needs a single shape"));
+        return None;
+    }
+    Some(shape)
+}
+
+/// Any shape, or instances of one.
+pub fn shown_shape(node: Node<'_>) -> Option<ShownShape> {
+    let name = known_word(node, "shape", &NAMES)?;
+    let single = |shape| ShownShape { shape, placements: None };
+    if name == INSTANCES {
+        return instances(node).map(ShownShape::from);
+    }
     if name == TEXT {
-        return text_solid(node).map(|mesh| ShapeOverTime { shape: Shape::Mesh(mesh), tracks: None });
+        return text_solid(node).map(|mesh| single(ShapeOverTime { shape: Shape::Mesh(mesh), tracks: None }));
     }
     if is_scene(&node) {
         let title = "a scene is a shape of its own object";
@@ -59,13 +89,16 @@ pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
     } else {
         Fields::of(node, what)
     };
-    let mut read = ShapeFields { fields: fields?, places: HashMap::new(), tracks: None };
+    let mut read = ShapeFields { fields: fields?, places: HashMap::new(), tracks: None, instances: None };
     let shape = match operation {
         Some(operation) => read.solid(operation).map(Shape::Solid),
         None => Shape::read(name, &mut read),
     };
     read.fields.finish();
-    Some(ShapeOverTime { shape: shape?, tracks: read.tracks })
+    match read.instances {
+        Some(instances) => Some(instances.into()),
+        None => Some(single(ShapeOverTime { shape: shape?, tracks: read.tracks })),
+    }
 }
 
 /// A shape's fields, and the places of the values read so far.
@@ -74,6 +107,8 @@ struct ShapeFields<'s> {
     places: HashMap<&'static str, Range<usize>>,
     /// Set by shapes that change over time.
     tracks: Option<ShapeTracks>,
+    /// Set by particles of another shape than spheres.
+    instances: Option<Instances>,
 }
 
 impl<'s> ShapeFields<'s> {
@@ -120,7 +155,13 @@ impl Parameters for ShapeFields<'_> {
     }
 
     fn particles(&mut self) -> Option<Particles> {
-        let tracks = particles(&mut self.fields)?;
+        let tracks = match particles(&mut self.fields)? {
+            ShownParticles::Spheres(tracks) => tracks,
+            ShownParticles::Shapes(instances) => {
+                self.instances = Some(instances);
+                return None;
+            }
+        };
         let set = tracks.at(Time::from_integer(0));
         self.tracks = Some(ShapeTracks::Particles(tracks));
         Some(Particles(Arc::new(set)))

@@ -15,6 +15,7 @@ use crate::camera::path::{CameraPath, NoCamera};
 use crate::geometry::clip::moved_into;
 use crate::geometry::mesh::MeshError;
 use crate::geometry::shape::{Particles, Plane, Shape};
+use crate::geometry::table_rows::{RowTrack, TableRow};
 use crate::geometry::transform::TransformTracks;
 use crate::import::series::StepError;
 use crate::world::{
@@ -153,6 +154,13 @@ pub fn particles(
             let set = if wants_tree { set.with_tree(before) } else { set };
             *shape = Shape::Particles(Particles(Arc::new(set)));
         }
+    }
+}
+
+/// Updates the numbers of tables that objects have.
+pub fn table_rows(now: Res<Now>, mut objects: Query<(&RowTrack, &mut TableRow)>) {
+    for (track, mut row) in &mut objects {
+        row.set_if_neq(track.at(now.0.time));
     }
 }
 

@@ -164,6 +164,12 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
             }
             None => {}
         }
+        if let Some(track) = &object.row {
+            entity.insert(track.at(start));
+            if track.is_keyed() {
+                entity.insert(track.clone());
+            }
+        }
         if moves[index] {
             entity.insert((object.transform.clone(), visibility(object)));
         }

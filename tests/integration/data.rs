@@ -221,7 +221,7 @@ fn missing_data_is_reported_at_the_object() {
     let plane = |of: &str| {
         fault(&format!("(objects: {{ \"floor\": (shape: Plane(), material: (color: Scalar({of}))) }})"))
     };
-    assert!(plane("\"heat\"").contains("only meshes and particles have data such as `heat`"));
+    assert!(plane("\"heat\"").contains("only meshes, particles and instances have data such as `heat`"));
     let endless = plane("X");
     assert!(
         endless.contains("the range of a coordinate cannot be found") && endless.contains("write the range")

@@ -176,3 +176,94 @@ fn instances_move_appear_and_vanish() {
     );
     assert_eq!(films(folder.path(), &instances), films(folder.path(), &objects));
 }
+
+/// 1 moves, 2 appears at frame 1, and 3 is gone after frame 2, before the next row of the table at frame 4.
+#[test]
+fn particles_of_a_shape_look_like_objects() {
+    let folder = folder();
+    let rows = "t,id,x,y,z,r\n0,1,-1,0,0,0.5\n4,1,-2,0,1,0.5\n1,2,0,0,1,0.4\n4,2,0,-0.5,1,0.2\n0,3,1,1,0,0.25\n\
+        2,3,1.5,1,0,0.5\n";
+    put(folder.path(), "spray.csv", rows);
+    let shape = "Box(min: (-1, -0.5, -0.5), max: (1, 0.5, 0.5))";
+    let particles =
+        format!("\"spray\": (shape: Particles(file: \"spray.csv\", shape: {shape}), material: \"m\")");
+    let object = |name: u32, rest: &str| format!("\"{name}\": (shape: {shape}, material: \"m\", {rest}),");
+    let objects = [
+        object(1, "translation: [(0, (-1, 0, 0)), (4, (-2, 0, 1))], scale: 0.5"),
+        object(
+            2,
+            "translation: [(1, (0, 0, 1)), (4, (0, -0.5, 1))], scale: [(1, 0.4), (4, 0.2)],
+            visible: [(0, false), (1, true)]",
+        ),
+        object(
+            3,
+            "translation: [(0, (1, 1, 0)), (2, (1.5, 1, 0))], scale: [(0, 0.25), (2, 0.5)],
+            visible: [(0, true), (3, false)]",
+        ),
+    ];
+    assert!(films(folder.path(), &particles) == films(folder.path(), &objects.concat()));
+    let spheres = SPRAY.replace("\"spray.csv\"", "file: \"spray.csv\", shape: Sphere");
+    assert!(films(folder.path(), &spheres) == films(folder.path(), SPRAY), "one packed shape");
+}
+
+/// Two boxes that do not move, in colours that change with the numbers of their rows.
+#[test]
+fn columns_color_instances() {
+    let folder = folder();
+    let rows =
+        "t,id,x,y,z,scale,heat\n0,1,-1,0,0,0.5,0\n4,1,-1,0,0,0.5,40\n0,2,1,0,0,0.5,30\n4,2,1,0,0,0.5,30\n";
+    put(folder.path(), "boxes.csv", rows);
+    let shape = "Box(min: (-1, -1, -1), max: (1, 1, 1))";
+    let map = "map: [\"#ff0000\", \"#0000ff\"], steps: 2";
+    let painted = |many: &str, range: &str| {
+        let color = format!("Unlit(color: Scalar(of: \"heat\", {map}{range}))");
+        format!("\"boxes\": (shape: {many}, material: {color})")
+    };
+    let instances = format!("Instances(shape: {shape}, file: \"boxes.csv\")");
+    let particles = format!("Particles(shape: {shape}, file: \"boxes.csv\", radius: \"scale\")");
+    let found = films(folder.path(), &painted(&instances, ""));
+    assert!(found == films(folder.path(), &painted(&instances, ", range: (0, 40)")), "the range of all rows");
+    assert!(found == films(folder.path(), &painted(&particles, "")));
+    // The first one is blue from 20 on, which is frame 2.
+    let one = |name: &str, x: i32, color: &str, visible: &str| {
+        format!(
+            "\"{name}\": (shape: {shape}, translation: ({x}, 0, 0), scale: 0.5,
+            material: Unlit(color: \"{color}\"), visible: {visible}),"
+        )
+    };
+    let objects = [
+        one("before", -1, "#ff0000", "[(0, true), (2, false)]"),
+        one("after", -1, "#0000ff", "[(0, false), (2, true)]"),
+        one("other", 1, "#0000ff", "true"),
+    ];
+    assert!(found == films(folder.path(), &objects.concat()));
+    let fixed = painted(&instances, ", range: (0, 40)");
+    let before = keys(folder.path(), &fixed);
+    put(folder.path(), "boxes.csv", &rows.replace("4,2,1,0,0,0.5,30", "4,2,1,0,0,0.5,20"));
+    let changed: Vec<bool> = before.iter().zip(keys(folder.path(), &fixed)).map(|(a, b)| *a != b).collect();
+    assert_eq!(changed, [false, true, true, true, true], "the numbers are content");
+    put(folder.path(), "a.ron", &text(&fixed));
+    kinora(folder.path(), &["render", "a.ron", "-o", "with/f_#.png"]);
+    kinora(folder.path(), &["render", "a.ron", "--no-reuse", "-o", "without/f_#.png"]);
+    assert!(contents(&folder.path().join("with")) == contents(&folder.path().join("without")));
+}
+
+#[test]
+fn the_data_of_a_mesh_comes_before_that_of_the_table() {
+    let folder = folder();
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+        property float own\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+        -1 -1 0 5\n1 -1 0 5\n0 1 0 5\n3 0 1 2\n";
+    put(folder.path(), "leaf.ply", ply);
+    put(folder.path(), "at.csv", "x,y,z,own,other\n-1,0,0,1,2\n1,0,0,2,3\n");
+    let checked = |of: &str| {
+        let leaf = format!(
+            "\"leaves\": (shape: Instances(shape: Mesh(\"leaf.ply\"), file: \"at.csv\"),
+            material: Unlit(color: Scalar(\"{of}\")))"
+        );
+        put(folder.path(), "a.ron", &text(&leaf));
+        kinora(folder.path(), &["check", "a.ron"])
+    };
+    assert!(checked("own").contains("the range of `own` is (5, 5)"));
+    assert!(checked("other").contains("the range of `other` is (2, 3)"));
+}

@@ -9,6 +9,7 @@ use crate::base::digest::Content;
 use crate::base::math::{DVec2, DVec3};
 use crate::geometry::mesh::ArrayKey;
 use crate::geometry::shape::Shape;
+use crate::geometry::table_rows::TableRow;
 use std::ops::BitOr;
 
 /// A point of a surface, with all that textures read there. Parts that no texture of the surface reads may be 0.
@@ -30,6 +31,8 @@ pub struct TextureEvalContext<'a> {
     /// The shape, and the part of it that was hit.
     pub shape: Option<&'a Shape>,
     pub part: u32,
+    /// The numbers of a table that the object has besides those of its shape.
+    pub row: Option<&'a TableRow>,
 }
 
 /// The parts of a [`TextureEvalContext`] that textures read. Every texture may read the point itself.
@@ -60,9 +63,10 @@ impl BitOr for TextureInputs {
 }
 
 impl TextureEvalContext<'_> {
-    /// A number of the data of a mesh or of particles.
+    /// A number of the data of a mesh, of particles or of an instance.
     pub fn array(&self, key: &ArrayKey) -> Option<f64> {
-        self.shape?.number(key, self.point, self.part)
+        let of_shape = self.shape.and_then(|shape| shape.number(key, self.point, self.part));
+        of_shape.or_else(|| self.row?.number(key))
     }
 }
 

@@ -49,6 +49,11 @@ pub struct ArrayKey {
 }
 
 impl ArrayKey {
+    /// All components of the data of this name.
+    pub fn whole(name: String) -> Self {
+        Self { name, centering: None, component: Component::Whole }
+    }
+
     /// The index of the array that the key means, among arrays of these names and centerings.
     pub fn index<'a>(&self, arrays: impl Iterator<Item = (&'a str, Centering)> + Clone) -> Option<usize> {
         let of = |centering| arrays.clone().position(|array| array == (self.name.as_str(), centering));

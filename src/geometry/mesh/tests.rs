@@ -151,7 +151,7 @@ fn vertices_that_no_triangle_uses_have_no_data() {
     let triangles = vec![[0, 1, 2], [0, 1, 4]];
     let data = MeshData { positions, triangles, arrays: vec![array], ..MeshData::default() };
     let mesh = TriangleMesh::new(data).expect("a mesh");
-    let key = ArrayKey { name: "q".to_owned(), centering: None, component: Component::Whole };
+    let key = ArrayKey::whole("q".to_owned());
     assert_eq!(mesh.array_range(&key, |_| true), Some([1.0, 3.0]));
     assert_eq!(mesh.array_range(&key, |value| value > 1.0), Some([2.0, 3.0]));
 }

@@ -450,7 +450,7 @@ fn data_of_removed_triangles_is_removed() {
         element face 3\nproperty list uchar int vertex_indices\nproperty float load\nend_header\n\
         0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2 1\n3 0 1 1 2\n3 0 1 3 3\n";
     let mesh = TriangleMesh::new(good(text.as_bytes())).expect("a mesh");
-    let key = ArrayKey { name: "load".to_owned(), centering: None, component: Component::Whole };
+    let key = ArrayKey::whole("load".to_owned());
     let values = [0, 1].map(|part| mesh.array_at(&key, part, DVec2::ZERO));
     assert_eq!((mesh.skipped, values), (1, [Some(1.0), Some(3.0)]));
 }

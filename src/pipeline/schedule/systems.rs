@@ -57,7 +57,14 @@ pub fn update_schedule() -> Schedule {
     let deformed = animate::deformed.pipe(keep_mesh_fault);
     // Hidden objects load nothing, and a camera may focus on an object.
     let placed = (animate::transforms, animate::cuts, series, deformed, animate::particles, camera).chain();
-    let animated = (placed, animate::materials, animate::lights, animate::sky_and_fog, animate::weights);
+    let animated = (
+        placed,
+        animate::table_rows,
+        animate::materials,
+        animate::lights,
+        animate::sky_and_fog,
+        animate::weights,
+    );
     let begun = begin(FrameStage::Animate);
     schedule.add_systems((begun, animated, lap(FrameStage::Animate)).chain().in_set(FrameStage::Animate));
     let packed = (

@@ -106,21 +106,13 @@ impl ParticleSet {
 
     /// A number of a particle.
     pub fn number(&self, key: &ArrayKey, part: u32) -> Option<f64> {
-        let column = &self.tracks.columns()[self.tracks.column(key)?];
         let Origin { row, share } = self.origins[part as usize];
-        let a = column.value(row as usize, key.component);
-        if share == 0.0 {
-            return Some(a);
-        }
-        let b = column.value(row as usize + 1, key.component);
-        let value = a + (b - a) * share;
-        // Rounding may lead beyond the ends. `max` and `min` would hide an end that is not a number.
-        Some(if value.is_nan() { value } else { value.max(a.min(b)).min(a.max(b)) })
+        self.tracks.columns().number(key, [row, row + 1], share)
     }
 
     /// The digest of a column's numbers; none if there is no such column.
     pub fn column_digest(&self, key: &ArrayKey) -> Option<Digest> {
-        self.tracks.column(key)?;
+        self.tracks.columns().find(key)?;
         let mut digester = Digester::new();
         (0..self.spheres.len() as u32).for_each(|part| self.number(key, part).feed(&mut digester));
         Some(digester.finish())

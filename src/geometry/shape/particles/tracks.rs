@@ -4,8 +4,8 @@ use super::set::{Origin, ParticleSet};
 use crate::base::digest::Digest;
 use crate::base::math::{Aabb, DVec3};
 use crate::base::time::{Fraction, Time};
-use crate::geometry::mesh::{ArrayKey, ArrayValues, Centering, DataArray};
 use crate::geometry::shape::{Geometric, Sphere};
+use crate::geometry::table_rows::TableColumns;
 use crate::track::Animate;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
@@ -41,8 +41,7 @@ pub struct ParticleTracks {
     /// By particle, then by time; as all rows.
     time_of: Vec<u32>,
     spheres: Vec<Sphere>,
-    columns: Vec<DataArray>,
-    unusable: Vec<(String, String)>,
+    columns: TableColumns,
     /// The end of each particle's rows; empty if every row is a particle.
     ends: Vec<u32>,
     /// A box around the particles at each time. Computed at the first call.
@@ -84,20 +83,14 @@ impl ParticleTracks {
             spheres = sorted(&spheres, &order);
             columns.iter_mut().for_each(|(_, values)| *values = sorted(values, &order));
         }
-        let array = |(name, values): (String, Vec<f64>)| DataArray {
-            name,
-            centering: Centering::Points,
-            components: 1,
-            values: ArrayValues::from(values),
-        };
-        let columns = columns.into_iter().map(array).collect();
-        Ok(Self { times, time_of, spheres, columns, unusable, ends, boxes: OnceLock::new() })
+        let columns = TableColumns::new(columns, unusable);
+        Ok(Self { times, time_of, spheres, columns, ends, boxes: OnceLock::new() })
     }
 
     /// Spheres that do not move.
     pub fn still(spheres: Vec<Sphere>) -> Self {
-        let (times, time_of, columns, unusable, ends) = Default::default();
-        Self { times, time_of, spheres, columns, unusable, ends, boxes: OnceLock::new() }
+        let (times, time_of, columns, ends) = Default::default();
+        Self { times, time_of, spheres, columns, ends, boxes: OnceLock::new() }
     }
 
     /// Whether particles move, appear or vanish.
@@ -106,19 +99,8 @@ impl ParticleTracks {
     }
 
     /// The columns that textures may read, with the numbers of all rows.
-    pub fn columns(&self) -> &[DataArray] {
+    pub fn columns(&self) -> &TableColumns {
         &self.columns
-    }
-
-    /// Why a column of the table cannot be read by textures, if it has another content than numbers.
-    pub fn unusable(&self, name: &str) -> Option<&str> {
-        self.unusable.iter().find(|(known, _)| known == name).map(|(_, why)| why.as_str())
-    }
-
-    /// The index of the column with these numbers.
-    pub fn column(&self, key: &ArrayKey) -> Option<usize> {
-        let index = key.index(self.columns.iter().map(|column| (column.name.as_str(), column.centering)))?;
-        self.columns[index].has(key.component).then_some(index)
     }
 
     /// A time at which the particles are as at `time`.
@@ -241,7 +223,7 @@ fn sorted<T: Copy + Send + Sync>(values: &[T], order: &[u32]) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::mesh::Component;
+    use crate::geometry::mesh::ArrayKey;
 
     fn at(x: f64) -> Sphere {
         Sphere { center: DVec3::new(x, 0.0, 0.0), radius: 1.0 }
@@ -285,7 +267,7 @@ mod tests {
         assert_eq!(half(5), [30.25, 82.5]);
         assert_eq!(half(99), [31.0, 90.0], "after the last time");
         let set = tracks.at(Time::new(5, 2));
-        let heat = ArrayKey { name: "heat".to_owned(), centering: None, component: Component::Whole };
+        let heat = ArrayKey::whole("heat".to_owned());
         assert_eq!([0, 1].map(|part| set.number(&heat, part)), [Some(302.5), Some(800.0 + 25.0)]);
     }
 

@@ -1,7 +1,7 @@
 //! Legacy files.
 
 use super::*;
-use crate::geometry::mesh::{ArrayKey, Component};
+use crate::geometry::mesh::ArrayKey;
 
 #[test]
 fn legacy_polygons_are_read_as_text_and_binary() {
@@ -12,8 +12,7 @@ fn legacy_polygons_are_read_as_text_and_binary() {
     assert_eq!(values(&parts, "heat", Centering::Points), [0.25, 0.5, 0.75, 1.0]);
     assert_eq!(parts.normals.as_ref().map(|normals| normals.values()[3]), Some(glam::Vec3::Z));
     let mesh = TriangleMesh::new(parts).expect("a mesh");
-    let name = "flow speed".to_owned();
-    let key = ArrayKey { name, centering: None, component: Component::Whole };
+    let key = ArrayKey::whole("flow speed".to_owned());
     assert_eq!(mesh.array(&key).map(|array| array.value(0, key.component)), Some(5.0));
 }
 
