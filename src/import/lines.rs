@@ -1,12 +1,16 @@
 //! Text files line by line, as bytes. Numbers are ASCII, and names are decoded lossily, so files need not be UTF-8.
 
 use crate::geometry::mesh::{MeshError, MeshLocation};
-use std::io::{self, BufRead};
+use std::io::{self, BufRead, Cursor, Read};
 use std::str::FromStr;
 
-/// The lines of a file, counted from 1.
+/// The lines of a file, counted from 1. They end with a line feed, with a carriage return, or with both.
 pub struct Lines<R> {
     input: R,
+    /// What was read up to a line feed: one line, unless lines end with carriage returns alone.
+    block: Vec<u8>,
+    /// Where the next line begins in the block.
+    start: usize,
     line: Vec<u8>,
     number: u64,
     /// Whether a line that ends with a backslash continues on the next line.
@@ -15,7 +19,7 @@ pub struct Lines<R> {
 
 impl<R: BufRead> Lines<R> {
     pub fn new(input: R, joins: bool) -> Self {
-        Self { input, line: Vec::new(), number: 0, joins }
+        Self { input, block: Vec::new(), start: 0, line: Vec::new(), number: 0, joins }
     }
 
     /// The number of the next line, and the line without trailing blanks.
@@ -23,13 +27,13 @@ impl<R: BufRead> Lines<R> {
         self.line.clear();
         let first = self.number + 1;
         loop {
-            let read = self.input.read_until(b'\n', &mut self.line)?;
-            if read == 0 && self.line.is_empty() {
+            let is_read = self.append()?;
+            if !is_read && self.line.is_empty() {
                 return Ok(None);
             }
             self.number += 1;
             self.line.truncate(self.line.trim_ascii_end().len());
-            if read == 0 || !self.joins || self.line.last() != Some(&b'\\') {
+            if !is_read || !self.joins || self.line.last() != Some(&b'\\') {
                 return Ok(Some((first, &self.line)));
             }
             self.line.pop();
@@ -37,9 +41,29 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
+    /// Appends the next line to `line`. False at the end of the file.
+    fn append(&mut self) -> io::Result<bool> {
+        if self.start == self.block.len() {
+            self.start = 0;
+            self.block.clear();
+            if self.input.read_until(b'\n', &mut self.block)? == 0 {
+                return Ok(false);
+            }
+        }
+        let rest = &self.block[self.start..];
+        // Nearly no file has carriage returns, and `contains` is faster than `position`.
+        let returned = rest.contains(&b'\r').then(|| rest.iter().position(|byte| *byte == b'\r')).flatten();
+        let ends = |at: usize| at + 1 + usize::from(rest.get(at + 1) == Some(&b'\n'));
+        let length = returned.map_or(rest.len(), ends);
+        self.line.extend_from_slice(&rest[..length]);
+        self.start += length;
+        Ok(true)
+    }
+
     /// The input after the lines read so far.
-    pub fn into_rest(self) -> R {
-        self.input
+    pub fn into_rest(mut self) -> impl BufRead {
+        self.block.drain(..self.start);
+        Cursor::new(self.block).chain(self.input)
     }
 }
 
@@ -102,13 +126,30 @@ mod tests {
 
     #[test]
     fn lines_end_in_every_way() {
-        let mut lines = Lines::new(&b"a\r\nb \\\n c\n\nd"[..], true);
-        let mut seen = Vec::new();
-        while let Some((number, line)) = lines.next().expect("a line") {
-            seen.push((number, String::from_utf8_lossy(line).into_owned()));
-        }
         let expected = [(1, "a"), (2, "b   c"), (4, ""), (5, "d")];
-        assert_eq!(seen, expected.map(|(number, line)| (number, line.to_owned())));
+        for end in ["\n", "\r\n", "\r"] {
+            let text = ["a", "b \\", " c", "", "d"].join(end);
+            let mut lines = Lines::new(text.as_bytes(), true);
+            let mut seen = Vec::new();
+            while let Some((number, line)) = lines.next().expect("a line") {
+                seen.push((number, String::from_utf8_lossy(line).into_owned()));
+            }
+            assert_eq!(seen, expected.map(|(number, line)| (number, line.to_owned())), "{end:?}");
+        }
+    }
+
+    #[test]
+    fn the_rest_follows_the_last_line() {
+        for end in ["\n", "\r\n", "\r"] {
+            let text = format!("a{end}b{end}\x01\r\n\x02");
+            let mut lines = Lines::new(text.as_bytes(), false);
+            for line in [b"a", b"b"] {
+                assert_eq!(lines.next().expect("a line").map(|(_, line)| line), Some(&line[..]));
+            }
+            let mut rest = Vec::new();
+            lines.into_rest().read_to_end(&mut rest).expect("bytes");
+            assert_eq!(rest, b"\x01\r\n\x02", "{end:?}");
+        }
     }
 
     #[test]

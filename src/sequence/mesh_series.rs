@@ -11,7 +11,8 @@ use crate::base::files;
 use crate::base::time::Time;
 use crate::geometry::mesh::Preparation;
 use crate::import::series::{
-    MeshSeries, NumberRange, NumberedError, PvdStep, SeriesFiles, StepError, StepMix, numbered, read_pvd,
+    MeshSeries, NumberRange, NumberedError, PvdFile, PvdStep, SeriesFiles, StepError, StepMix, numbered,
+    read_pvd,
 };
 use crate::track::{Animated, Ease, Key, Repeat, Track};
 use std::path::{Path, PathBuf};
@@ -196,11 +197,15 @@ fn list_of(node: Node<'_>, name: &str) -> Result<Listed, String> {
     for step in &steps {
         let time = row_time(step.time, clock).filter(|time| times.last().is_none_or(|last| last < time));
         times.push(time.ok_or_else(|| {
-            let (line, time) = (step.line, step.time);
+            let (line, time) = (step.line(), step.time);
             format!("line {line}: the time {time} is beyond 1e9, or less than 1e-9 after the time before")
         })?);
     }
-    let in_folder = |step: PvdStep| step.files.into_iter().map(|file| folder.join(file)).collect();
+    let is_missing = |file: &&PvdFile| !folder.join(&file.name).exists();
+    if let Some(PvdFile { name, line }) = steps.iter().flat_map(|step| &step.files).find(is_missing) {
+        return Err(format!("line {line}: there is no file {:?}", shortened(name)));
+    }
+    let in_folder = |step: PvdStep| step.files.into_iter().map(|file| folder.join(file.name)).collect();
     Ok(Listed { steps: steps.into_iter().map(in_folder).collect(), times: Some(times) })
 }
 

@@ -7,7 +7,7 @@ mod numbered;
 mod pvd;
 
 pub use numbered::{NumberRange, NumberedError, numbered};
-pub use pvd::{PvdStep, read as read_pvd};
+pub use pvd::{PvdFile, PvdStep, read as read_pvd};
 
 use super::LoadProgress;
 use super::load::{build, load_parts};

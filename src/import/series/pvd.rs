@@ -7,10 +7,24 @@ use crate::import::xml_list::{self, ListElement};
 #[derive(Clone, Debug, PartialEq)]
 pub struct PvdStep {
     pub time: f64,
-    /// Relative to the folder of the PVD file; several if programs that ran in parallel wrote a part each. At least one.
-    pub files: Vec<String>,
-    /// The line of the first file in the PVD file, from 1.
+    /// Several if programs that ran in parallel wrote a part each. At least one.
+    pub files: Vec<PvdFile>,
+}
+
+/// A file of the list.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PvdFile {
+    /// Relative to the folder of the PVD file.
+    pub name: String,
+    /// The line of the PVD file that names it, from 1.
     pub line: u64,
+}
+
+impl PvdStep {
+    /// The line of the first file in the PVD file, from 1.
+    pub fn line(&self) -> u64 {
+        self.files[0].line
+    }
 }
 
 /// Reads the list, in ascending order of time.
@@ -23,8 +37,9 @@ pub fn read(bytes: &[u8]) -> Result<Vec<PvdStep>, MeshError> {
         let step = step(element)?;
         match steps.last_mut() {
             Some(last) if last.time == step.time => {
-                if last.files.contains(&step.files[0]) {
-                    let (line, file) = (last.line, &step.files[0]);
+                let file = &step.files[0].name;
+                if last.files.iter().any(|known| known.name == *file) {
+                    let line = last.line();
                     return Err(
                         element.fault(format!("the time of line {line} has the file `{file}` already"))
                     );
@@ -32,7 +47,7 @@ pub fn read(bytes: &[u8]) -> Result<Vec<PvdStep>, MeshError> {
                 last.files.extend(step.files);
             }
             Some(last) if step.time < last.time => {
-                let (time, line) = (step.time, last.line);
+                let (time, line) = (step.time, last.line());
                 let why = format!("times must ascend, but {time} is before the time of line {line}");
                 return Err(element.fault(why));
             }
@@ -52,7 +67,7 @@ fn step(element: &ListElement<'_>) -> Result<PvdStep, MeshError> {
     let time = number.ok_or_else(|| {
         element.fault(format!("expected a `timestep` that is a finite number, found `{time}`"))
     })?;
-    Ok(PvdStep { time, files: vec![element.file("file")?], line: element.line() })
+    Ok(PvdStep { time, files: vec![PvdFile { name: element.file("file")?, line: element.line() }] })
 }
 
 #[cfg(test)]
@@ -71,12 +86,9 @@ mod tests {
         let steps = list(
             "  <DataSet timestep=\"0\" group=\"\" part=\"0\" file=\"a_0.vtu\"/>\n  <DataSet timestep='1e-1' file='b&amp;c.vtu'></DataSet>",
         );
-        let step = |time, files: &[&str], line| PvdStep {
-            time,
-            files: files.iter().map(|&file| file.into()).collect(),
-            line,
-        };
-        assert_eq!(steps, Ok(vec![step(0.0, &["a_0.vtu"], 4), step(0.1, &["b&c.vtu"], 5)]));
+        let step =
+            |time, name: &str, line| PvdStep { time, files: vec![PvdFile { name: name.into(), line }] };
+        assert_eq!(steps, Ok(vec![step(0.0, "a_0.vtu", 4), step(0.1, "b&c.vtu", 5)]));
     }
 
     #[test]
@@ -84,9 +96,12 @@ mod tests {
         let part = |time, file: &str| format!("<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>\n");
         let steps =
             list(&[part(0, "a0"), part(0, "a1"), part(1, "b0"), part(1, "b1"), part(1, "b2")].concat());
-        let files: Vec<_> =
-            steps.expect("a list").into_iter().map(|step| (step.time, step.files.concat())).collect();
-        assert_eq!(files, [(0.0, "a0a1".to_owned()), (1.0, "b0b1b2".to_owned())]);
+        let named = |step: PvdStep| {
+            let file = |file: PvdFile| format!("{}:{}", file.name, file.line);
+            (step.time, step.files.into_iter().map(file).collect::<Vec<_>>().join(" "))
+        };
+        let files: Vec<_> = steps.expect("a list").into_iter().map(named).collect();
+        assert_eq!(files, [(0.0, "a0:4 a1:5".to_owned()), (1.0, "b0:6 b1:7 b2:8".to_owned())]);
         let twice = list(&[part(0, "a0"), part(0, "a1"), part(0, "a0")].concat()).expect_err("a fault");
         assert_eq!(twice, "line 6: the time of line 4 has the file `a0` already");
     }
