@@ -71,7 +71,7 @@ pub struct RowTrack {
 /// Compared by the address of the table, as meshes are.
 impl PartialEq for RowTrack {
     fn eq(&self, other: &Self) -> bool {
-        self.shares_table(other) && self.rows == other.rows && self.times == other.times
+        Arc::ptr_eq(&self.columns, &other.columns) && self.rows == other.rows && self.times == other.times
     }
 }
 
@@ -90,11 +90,6 @@ impl RowTrack {
     /// The columns of the table.
     pub fn columns(&self) -> &TableColumns {
         &self.columns
-    }
-
-    /// Whether both are rows of one table.
-    pub fn shares_table(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.columns, &other.columns)
     }
 
     /// Whether the row changes over time.

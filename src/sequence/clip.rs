@@ -2,6 +2,7 @@
 
 use super::fault::Fault;
 use super::fields::Fields;
+use super::group_instances::CopiedObjects;
 use super::keys::keyed;
 use super::material_table::MaterialTable;
 use super::names::Names;
@@ -29,6 +30,9 @@ pub struct CapDraft {
     material: MaterialSource,
     place: Range<usize>,
 }
+
+/// The place of the planes that cut an object, and the material of its cut faces.
+pub type PlacedCap = (Range<usize>, Option<CapDraft>);
 
 /// The most planes that cut one object. Each ray tests all of them.
 const MOST: usize = 64;
@@ -65,13 +69,15 @@ fn plane_fields(node: Node<'_>) -> Option<ClipPlane> {
 }
 
 /// Gives objects the material of their cut faces: their own, or that of the nearest object above that has one. Planes may
-/// be those of objects above. The drafts are those of the first objects; what scenes and instances add is below these.
+/// be those of objects above. The drafts are those of the first objects; what scenes and instances add is below these, or
+/// a copy.
 pub fn bind_caps(
     file: &File<'_>,
     table: &mut MaterialTable<'_>,
     objects: &mut [Named<Object>],
-    drafts: Vec<(Range<usize>, Option<CapDraft>)>,
+    (drafts, copied): (Vec<PlacedCap>, &CopiedObjects),
 ) {
+    let original = |at: usize| copied.originals[at];
     let (places, drafts): (Vec<_>, Vec<_>) = drafts.into_iter().unzip();
     let bind = |(draft, object): (Option<CapDraft>, &Named<Object>)| {
         let CapDraft { material, place } = draft?;
@@ -82,14 +88,14 @@ pub fn bind_caps(
     for index in 0..objects.len() {
         let above = || std::iter::successors(Some(index), |&at| objects[at].value.parent).take(objects.len());
         let planes: usize = above().map(|at| objects[at].value.clip.len()).sum();
-        if let Some(place) = places.get(index).filter(|_| planes > MOST) {
+        if let Some(place) = places.get(original(index)).filter(|_| planes > MOST) {
             let (title, label) =
                 ("too many planes cut this object", format!("{planes} planes; at most {MOST}"));
             file.push(Fault::new(place.clone(), title, label).help("planes of the objects above count too"));
             return;
         }
-        let nearest = above().find(|at| matches!(caps.get(*at), Some(Some(_)))).filter(|_| planes > 0);
-        let Some(cap) = nearest.and_then(|at| caps[at].as_mut()) else { continue };
+        let nearest = above().map(original).find(|at| matches!(caps.get(*at), Some(Some(_))));
+        let Some(cap) = nearest.filter(|_| planes > 0).and_then(|at| caps[at].as_mut()) else { continue };
         cap.is_used = true;
         let object = &mut objects[index].value;
         if object.shape == Shape::Group {

@@ -10,9 +10,11 @@ use crate::geometry::mesh::{ArrayKey, Centering, Component, DataArray};
 use crate::geometry::shape::{self, Shape};
 use crate::geometry::table_rows::TableColumns;
 use crate::import::series::MeshSeries;
+use rustc_hash::FxHashSet;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The ranges of data, each with the place of the first object that shows it.
 type Ranges = HashMap<(DataSource, DataScale), (Option<[f64; 2]>, usize)>;
@@ -32,20 +34,22 @@ pub fn resolve(
         material.value.each_data(&mut |texture| found.push(texture.clone()));
         data.push(found);
     }
-    let mut ranges = Ranges::new();
-    let mut before: Option<&Object> = None;
+    let (mut ranges, mut noted) = (Ranges::new(), FxHashSet::default());
     for (object, place) in objects.iter().zip(places) {
-        // Each of many instances has the data of the others.
-        if before.replace(&object.value).is_some_and(|before| are_instances(before, &object.value)) {
-            continue;
-        }
         let shown = object.value.made_of.indices().filter_map(|index| data.get(index as usize));
         let mut seen: Vec<&DataSource> = Vec::new();
         for texture in shown.flatten().filter(|_| object.value.shape != Shape::Group) {
-            if let Err(fault) = note(texture, &object.value, place, &mut ranges)
-                && !seen.contains(&&texture.source)
-            {
-                file.push(*fault);
+            // Many instances have the same data, whose range takes long to find.
+            let read = (std::ptr::from_ref(texture), data_of(&object.value));
+            if noted.contains(&read) {
+                continue;
+            }
+            match note(texture, &object.value, place, &mut ranges) {
+                Ok(()) if matches!(texture.source, DataSource::Array(_)) => {
+                    noted.insert(read);
+                }
+                Err(fault) if !seen.contains(&&texture.source) => file.push(*fault),
+                _ => {}
             }
             seen.push(&texture.source);
         }
@@ -123,6 +127,17 @@ fn note(
     Ok(())
 }
 
+/// The addresses of an object's data: that of its shape, and that of its table.
+fn data_of(object: &Object) -> [Option<*const ()>; 2] {
+    let of_shape = match (&object.tracks, &object.shape) {
+        (Some(ShapeTracks::Series(series)), _) => Some(Arc::as_ptr(series).cast()),
+        (Some(ShapeTracks::Particles(particles)), _) => Some(Arc::as_ptr(particles).cast()),
+        (_, Shape::Mesh(shape::Mesh { mesh, .. })) => Some(Arc::as_ptr(mesh).cast()),
+        _ => None,
+    };
+    [of_shape, object.row.as_ref().map(|row| std::ptr::from_ref(row.columns()).cast())]
+}
+
 /// What has data.
 enum Owner<'a> {
     Mesh(&'a [DataArray]),
@@ -164,12 +179,6 @@ fn owners(object: &Object) -> Vec<Owner<'_>> {
         _ => None,
     };
     of_shape.into_iter().chain(object.row.as_ref().map(|row| Owner::Table(row.columns()))).collect()
-}
-
-/// Whether both are instances of one shape in one table.
-fn are_instances(one: &Object, other: &Object) -> bool {
-    let shared = one.row.as_ref().zip(other.row.as_ref()).is_some_and(|(row, other)| row.shares_table(other));
-    shared && one.made_of == other.made_of && one.shape == other.shape && one.tracks == other.tracks
 }
 
 /// The array that has these numbers.

@@ -16,6 +16,7 @@ use crate::geometry::transform::ExplodeOffset;
 use crate::track::Animated;
 
 /// The exploded view of the parts of an object.
+#[derive(Clone)]
 pub struct ExplodeDraft {
     factor: Animated<f64>,
     /// None: from the middle of all parts.
@@ -27,6 +28,7 @@ pub struct ExplodeDraft {
 }
 
 /// What parts move away from.
+#[derive(Clone)]
 enum Origin {
     Point(DVec3),
     /// Straight away from a line through a point, which has a direction of length 1.

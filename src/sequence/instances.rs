@@ -1,4 +1,4 @@
-//! Decodes `Instances`: one shape at many places, each an object of its own.
+//! Decodes `Instances`: one shape, or a group of objects, at many places.
 
 use super::fault::Fault;
 use super::fields::Fields;
@@ -13,10 +13,17 @@ use crate::base::math::DVec3;
 use crate::geometry::shape::Shape;
 use crate::import::table::Table;
 
-/// One shape, and where its instances are over time.
-pub struct Instances {
-    pub shape: ShapeOverTime,
+/// What instances show, and where they are over time.
+pub struct Instances<'n> {
+    pub shown: Shown<'n>,
     pub placements: Vec<Placement>,
+}
+
+/// What every instance shows.
+pub enum Shown<'n> {
+    Shape(ShapeOverTime),
+    /// The object of this name, and all below it.
+    Object(Node<'n>),
 }
 
 /// The scale of all instances, or its columns.
@@ -27,9 +34,12 @@ enum Scale {
 }
 
 /// Decodes instances.
-pub fn instances(node: Node<'_>) -> Option<Instances> {
+pub fn instances(node: Node<'_>) -> Option<Instances<'_>> {
     let mut fields = Fields::of(node, "`Instances`")?;
-    let shape = fields.required("shape", instance_shape);
+    let shown = match fields.has("of") {
+        true => shown_object(&mut fields),
+        false => fields.required("shape", instance_shape).map(Shown::Shape),
+    };
     let (mut place, mut name) = (node.span(), String::new());
     let table = fields.required("file", |node| {
         place = node.span();
@@ -47,13 +57,31 @@ pub fn instances(node: Node<'_>) -> Option<Instances> {
     let known = |name: &str| table.has(name).then(|| usual(name));
     let scale = scale?.or_else(|| known("scale").map(Scale::Even)).unwrap_or(Scale::Number(1.0));
     match placed(&table, &poses, id.or_else(|| known("id")), &scale, node) {
-        Ok(placements) => Some(Instances { shape: shape?, placements }),
+        Ok(placements) => Some(Instances { shown: shown?, placements }),
         Err((place, error)) => {
             let title = format!("cannot use the instances in {:?}", shortened(&name));
             node.fault(Fault::new(place, title, error.to_string()));
             None
         }
     }
+}
+
+/// The name of the object that all instances show.
+fn shown_object<'n>(fields: &mut Fields<'n>) -> Option<Shown<'n>> {
+    let of = fields.required("of", |node| {
+        if !node.is_text() {
+            node.expected("the name of an object in quotes");
+            return None;
+        }
+        Some(node)
+    });
+    if fields.is_given("shape") {
+        let title = "instances show a `shape`, or the object of a name: `of`";
+        fields.node().fault(Fault::new(fields.place("shape"), title, "one too many"));
+        fields.ignore("shape");
+        return None;
+    }
+    of.map(Shown::Object)
 }
 
 /// The shape of all instances, which is visible.

@@ -39,6 +39,7 @@ mod frame;
 mod framing;
 mod image;
 mod image_files;
+mod group_instances;
 mod instances;
 mod convert;
 mod json;

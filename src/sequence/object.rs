@@ -5,6 +5,8 @@ use super::expand::{REPEAT, TEMPLATE, WITH, report_misplaced};
 use super::explode::{ExplodeDraft, explode};
 use super::fault::Fault;
 use super::fields::Fields;
+use super::group_instances::GroupDraft;
+use super::instances::{Instances, Shown};
 use super::keys::keyed;
 use super::material::{is_material, material, resembles_a_kind};
 use super::material_description::{MaterialDescription, MeshMaterials};
@@ -14,7 +16,7 @@ use super::names::{Entry, Names};
 use super::node::Node;
 use super::pose_tracks::Placement;
 use super::scene::{SceneDraft, is_scene};
-use super::shape::{ShapeOverTime, shown_shape};
+use super::shape::{ShapeOverTime, ShownShape, shown_shape};
 use super::shape_tracks::ShapeTracks;
 use super::suggest::{listed, nearest, shortened};
 use super::transform::transform;
@@ -33,6 +35,8 @@ pub struct ObjectDraft {
     pub shape: ShapeOverTime,
     /// The places of its instances. None if the object itself has the shape.
     pub placements: Option<Vec<Placement>>,
+    /// The object that it shows at several places.
+    pub group: Option<GroupDraft>,
     /// The nodes of the scene that it shows.
     pub scene: Option<SceneDraft>,
     pub material: MaterialSource,
@@ -84,7 +88,7 @@ pub fn object(
     scene: Option<SceneDraft>,
     materials: &Names<'_>,
     objects: &Names<'_>,
-) -> (Option<ObjectDraft>, Option<Parent>) {
+) -> (Option<Box<ObjectDraft>>, Option<Parent>) {
     // Repeated objects and those of templates have been expanded, unless they are in a named value.
     if node.word() == REPEAT {
         report_misplaced(node, node.head(), REPEAT);
@@ -99,16 +103,25 @@ pub fn object(
         report_misplaced(node, fields.place(TEMPLATE), TEMPLATE);
         return (None, None);
     }
-    let (mut place, mut placements) = (fields.place("shape"), None);
+    let (mut place, mut placements, mut group) = (fields.place("shape"), None, None);
     let shape = fields.required("shape", |node| {
         let one = if is_scene(&node) {
             // Its faults are reported already.
             scene.as_ref()?;
             ShapeOverTime { shape: Shape::Group, tracks: None }
         } else {
-            let shown = shown_shape(node)?;
-            placements = shown.placements;
-            shown.shape
+            match shown_shape(node)? {
+                ShownShape::Single(shape) => shape,
+                ShownShape::Instances(Instances { shown: Shown::Shape(shape), placements: at }) => {
+                    placements = Some(at);
+                    shape
+                }
+                ShownShape::Instances(Instances { shown: Shown::Object(name), placements }) => {
+                    let of = objects.index(name)?;
+                    group = Some(GroupDraft { of, place: name.span(), placements });
+                    ShapeOverTime { shape: Shape::Group, tracks: None }
+                }
+            }
         };
         if let Shape::Mesh(_) = one.shape {
             place = file_place(node);
@@ -126,6 +139,10 @@ pub fn object(
         }
         (_, material) => material,
     };
+    if group.is_some() && fields.is_given("material") {
+        let title = "the objects of a group have materials of their own";
+        node.fault(Fault::new(material_place.clone(), title, "no instance has this one"));
+    }
     let place_of = |name| fields.place(name);
     let placed = TransformPlace { scale: place_of("scale"), translation: place_of("translation") };
     let transform = transform(&mut fields);
@@ -151,9 +168,11 @@ pub fn object(
     });
     let draft = || {
         let (Some(_), shape) = (&parent, shape?) else { return None };
-        Some(ObjectDraft {
+        // Drafts are large, and pass through several lists.
+        Some(Box::new(ObjectDraft {
             shape,
             placements,
+            group,
             scene,
             material: material?,
             transform: transform?,
@@ -163,7 +182,7 @@ pub fn object(
             explode: explode?,
             place: placed,
             material_place,
-        })
+        }))
     };
     (draft(), parent.flatten())
 }

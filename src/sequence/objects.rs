@@ -1,11 +1,12 @@
 //! Decodes `materials` and `objects`, and gives every object the indices of its parent and its materials.
 
 use super::carriers::CarriedDraft;
-use super::clip::{CapDraft, ClipDraft, bind_caps};
+use super::clip::{ClipDraft, PlacedCap, bind_caps};
 use super::data_ranges;
 use super::deformations::{SceneDeformations, deform};
 use super::explode::{ExplodeDraft, add_offsets};
 use super::fields::Fields;
+use super::group_instances::{self, GroupDraft};
 use super::material::material;
 use super::material_description::MaterialDescription;
 use super::material_table::MaterialTable;
@@ -20,6 +21,7 @@ use super::{Named, Object};
 use crate::appearance::material::{MaterialBinding, MaterialTracks};
 use crate::geometry::ray_kinds::RayVisibility;
 use crate::geometry::shape::Shape;
+use std::cell::LazyCell;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -64,17 +66,24 @@ pub fn materials_and_objects(
         places.extend(std::iter::repeat_n(places[index].clone(), count));
         objects.extend(below);
     }
-    bind_caps(fields.node().file, &mut table, &mut objects, below.caps);
-    add_offsets(fields.node().file, &mut objects, below.explode);
+    let file = fields.node().file;
+    let copied = group_instances::add(file, &mut objects, below.groups);
+    for source in copied.sources(&objects, places.len()) {
+        transforms.push(transforms[source].clone());
+        places.push(places[source].clone());
+    }
+    bind_caps(file, &mut table, &mut objects, (below.caps, &copied));
+    add_offsets(file, &mut objects, copied.of_originals(below.explode));
     let deformed = below.deformed.into_iter();
     let deformed = deformed.map(|(index, scene)| SceneDeformations { place: places[index].clone(), ..scene });
-    deform(fields.node().file, &mut objects, deformed.collect());
+    deform(file, &mut objects, deformed.collect());
+    copied.share_deformations(&mut objects);
     let mut materials = table.finish();
-    data_ranges::resolve(fields.node().file, &mut materials, &mut objects, &places);
+    data_ranges::resolve(file, &mut materials, &mut objects, &places);
     Some(MaterialsAndObjects { materials, objects, carried })
 }
 
-type Placed = (Named<ObjectDraft>, Option<Parent>);
+type Placed = (Named<Box<ObjectDraft>>, Option<Parent>);
 
 fn objects(node: Node<'_>, materials: &Names<'_>) -> Option<Vec<Placed>> {
     let entries = entries(node, "object")?;
@@ -109,7 +118,8 @@ struct Scenes {
 
 impl Scenes {
     fn of(entries: &[Entry<'_>], materials: &Names<'_>) -> Self {
-        let mut names = UniqueNames::new(entries.iter().map(|entry| entry.name.as_str()));
+        // Most files have no scenes, and copying all names takes long.
+        let mut names = LazyCell::new(|| UniqueNames::new(entries.iter().map(|entry| entry.name.as_str())));
         let mut scenes =
             Self { drafts: Vec::new(), names: Vec::new(), owners: Vec::new(), unread: Vec::new() };
         for (index, entry) in entries.iter().enumerate() {
@@ -135,10 +145,11 @@ impl Scenes {
 struct Below {
     scenes: Vec<(usize, Vec<Named<Object>>)>,
     instances: Vec<(usize, Vec<Named<Object>>)>,
+    groups: Vec<(usize, GroupDraft)>,
     carried: Vec<(usize, CarriedDraft)>,
     deformed: Vec<(usize, SceneDeformations)>,
     /// The place of the planes that cut each object, and the material of its cut faces.
-    caps: Vec<(Range<usize>, Option<CapDraft>)>,
+    caps: Vec<PlacedCap>,
     /// The exploded view of the parts of each object.
     explode: Vec<Option<ExplodeDraft>>,
 }
@@ -150,8 +161,18 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
     let mut next_node = drafts.len();
     for (Named { name, value: draft }, parent) in drafts {
         let ObjectDraft {
-            shape, placements, scene, material, transform, visible, rays, clip, explode, ..
-        } = draft;
+            shape,
+            placements,
+            group,
+            scene,
+            material,
+            transform,
+            visible,
+            rays,
+            clip,
+            explode,
+            ..
+        } = *draft;
         let ClipDraft { planes: clip, place, cap } = clip;
         below.caps.push((place, cap));
         below.explode.push(explode);
@@ -159,6 +180,7 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
         let made_of = table.bind(material, &name);
         let parent = parent.map(|parent| parent.index);
         let index = objects.len();
+        below.groups.extend(group.map(|group| (index, group)));
         if let Some(SceneDraft { nodes, lights, cameras, first, .. }) = scene {
             let deformed = nodes.iter().enumerate();
             let drafts =

@@ -61,6 +61,18 @@ fn closing(open: u8) -> Option<u8> {
     }
 }
 
+/// For each byte, whether it may matter to what skips a value: outside brackets, and within them.
+const ENDS: [[bool; 256]; 2] = [marked(b"\"/()[]{} \n\t\r,:"), marked(b"\"/()[]{}")];
+
+const fn marked(bytes: &[u8]) -> [bool; 256] {
+    let (mut marked, mut at) = ([false; 256], 0);
+    while at < bytes.len() {
+        marked[bytes[at] as usize] = true;
+        at += 1;
+    }
+    marked
+}
+
 /// Reads a text from its start. Every method returns None at something else than the most common notation.
 struct Reader<'s> {
     bytes: &'s [u8],
@@ -238,7 +250,11 @@ impl Reader<'_> {
                 }
                 b')' | b']' | b'}' => depth -= 1,
                 b' ' | b'\n' | b'\t' | b'\r' | b',' | b':' if depth == 0 => break,
-                _ => {}
+                _ => {
+                    let ends = &ENDS[usize::from(depth > 0)];
+                    self.skip_while(|byte| !ends[usize::from(byte)]);
+                    continue;
+                }
             }
             self.at += 1;
         }

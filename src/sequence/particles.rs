@@ -2,13 +2,14 @@
 
 use super::fault::Fault;
 use super::fields::Fields;
-use super::instances::{Instances, instance_shape};
+use super::instances::instance_shape;
 use super::node::Node;
 use super::pose_columns::{ColumnName, POSITIONS, PoseColumns, TIMES, column};
 use super::pose_tracks::{
     LastRow, Placement, PlacementColumns, PoseFault, TimedRows, at_row, placements, values, vectors,
 };
 use super::poses::table;
+use super::shape::ShapeOverTime;
 use super::suggest::{listed, shortened};
 use super::table_columns::DataColumns;
 use super::values::{each, file_path, is_number, positive, tuple};
@@ -36,7 +37,7 @@ enum Radius {
 pub enum ShownParticles {
     Spheres(Arc<ParticleTracks>),
     /// Another shape, each an object of its own.
-    Shapes(Instances),
+    Shapes(ShapeOverTime, Vec<Placement>),
 }
 
 /// Decodes particles from these fields.
@@ -56,7 +57,7 @@ pub fn particles(fields: &mut Fields<'_>) -> Option<ShownParticles> {
     let shown = match shape?.filter(|given| given.shape != unit_sphere) {
         None => rows(&table, &columns, node).map(|tracks| ShownParticles::Spheres(Arc::new(tracks))),
         Some(shape) => scaled_placements(&table, columns, node)
-            .map(|placements| ShownParticles::Shapes(Instances { shape, placements })),
+            .map(|placements| ShownParticles::Shapes(shape, placements)),
     };
     match shown {
         Ok(shown) => Some(shown),

@@ -3,7 +3,7 @@
 use super::boolean::{OPERATIONS, solid};
 use super::fault::Fault;
 use super::fields::Fields;
-use super::instances::{Instances, instances};
+use super::instances::{Instances, Shown, instances};
 use super::mesh::mesh;
 use super::node::Node;
 use super::particles::{ShownParticles, particles};
@@ -28,16 +28,10 @@ pub struct ShapeOverTime {
 }
 
 /// What an object shows.
-pub struct ShownShape {
-    pub shape: ShapeOverTime,
-    /// The places of its instances. None if the object itself has the shape.
-    pub placements: Option<Vec<Placement>>,
-}
-
-impl From<Instances> for ShownShape {
-    fn from(Instances { shape, placements }: Instances) -> Self {
-        Self { shape, placements: Some(placements) }
-    }
+pub enum ShownShape<'n> {
+    /// The object itself has the shape.
+    Single(ShapeOverTime),
+    Instances(Instances<'n>),
 }
 
 /// What objects may show besides shapes.
@@ -56,21 +50,22 @@ pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
         node.fault(Fault::new(node.head(), title, "needs a shape of its own"));
         return None;
     }
-    let ShownShape { shape, placements } = shown_shape(node)?;
-    if placements.is_some() {
-        let title = "particles of this shape are objects of their own, which have no place here";
-        node.fault(Fault::new(node.head(), title, "needs a single shape"));
-        return None;
+    match shown_shape(node)? {
+        ShownShape::Single(shape) => Some(shape),
+        ShownShape::Instances(_) => {
+            let title = "particles of this shape are objects of their own, which have no place here";
+            node.fault(Fault::new(node.head(), title, "needs a single shape"));
+            None
+        }
     }
-    Some(shape)
 }
 
 /// Any shape, or instances of one.
-pub fn shown_shape(node: Node<'_>) -> Option<ShownShape> {
+pub fn shown_shape(node: Node<'_>) -> Option<ShownShape<'_>> {
     let name = known_word(node, "shape", &NAMES)?;
-    let single = |shape| ShownShape { shape, placements: None };
+    let single = ShownShape::Single;
     if name == INSTANCES {
-        return instances(node).map(ShownShape::from);
+        return instances(node).map(ShownShape::Instances);
     }
     if name == TEXT {
         return text_solid(node).map(|mesh| single(ShapeOverTime { shape: Shape::Mesh(mesh), tracks: None }));
@@ -96,7 +91,9 @@ pub fn shown_shape(node: Node<'_>) -> Option<ShownShape> {
     };
     read.fields.finish();
     match read.instances {
-        Some(instances) => Some(instances.into()),
+        Some((shape, placements)) => {
+            Some(ShownShape::Instances(Instances { shown: Shown::Shape(shape), placements }))
+        }
         None => Some(single(ShapeOverTime { shape: shape?, tracks: read.tracks })),
     }
 }
@@ -108,7 +105,7 @@ struct ShapeFields<'s> {
     /// Set by shapes that change over time.
     tracks: Option<ShapeTracks>,
     /// Set by particles of another shape than spheres.
-    instances: Option<Instances>,
+    instances: Option<(ShapeOverTime, Vec<Placement>)>,
 }
 
 impl<'s> ShapeFields<'s> {
@@ -157,8 +154,8 @@ impl Parameters for ShapeFields<'_> {
     fn particles(&mut self) -> Option<Particles> {
         let tracks = match particles(&mut self.fields)? {
             ShownParticles::Spheres(tracks) => tracks,
-            ShownParticles::Shapes(instances) => {
-                self.instances = Some(instances);
+            ShownParticles::Shapes(shape, placements) => {
+                self.instances = Some((shape, placements));
                 return None;
             }
         };

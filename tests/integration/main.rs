@@ -57,6 +57,7 @@ mod stratification;
 mod time_limits;
 mod watertight;
 mod data;
+mod groups;
 mod mesh_materials;
 mod meshes;
 mod particles;

@@ -1,0 +1,208 @@
+//! Instances of groups: an object and all below it, at the places of a table.
+//!
+//! Every instance is made of objects of its own, which share meshes, textures and materials with the group. So all that
+//! holds for objects holds for them: keys, cuts, exploded views, groups within groups.
+
+use super::fault::Fault;
+use super::pose_tracks::Placement;
+use super::source_file::File;
+use super::suggest::shortened;
+use super::syntax::MAX_ENTRIES;
+use super::{Named, Object, ShapeTracks};
+use crate::appearance::material::MaterialBinding;
+use crate::geometry::ray_kinds::RayVisibility;
+use crate::geometry::shape::Shape;
+use crate::track::Animated;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// What an object shows instead of a shape: another object, at these places.
+pub struct GroupDraft {
+    /// The object, or behind those of the file a node of a scene.
+    pub of: usize,
+    /// Where the file names it.
+    pub place: Range<usize>,
+    pub placements: Vec<Placement>,
+}
+
+/// Objects, some of which are copies of others.
+pub struct CopiedObjects {
+    /// For each object, the one that it is like; itself if it is no copy.
+    pub originals: Vec<usize>,
+}
+
+/// Adds the objects of all instances behind the others, each below the object that shows them. Groups that hold instances
+/// of each other, and more objects than a file may have, are faults.
+pub fn add(
+    file: &File<'_>,
+    objects: &mut Vec<Named<Object>>,
+    drafts: Vec<(usize, GroupDraft)>,
+) -> CopiedObjects {
+    let originals = (0..objects.len()).collect();
+    if drafts.is_empty() {
+        return CopiedObjects { originals };
+    }
+    let mut below = vec![Vec::new(); objects.len()];
+    for (index, object) in objects.iter().enumerate() {
+        if let Some(parent) = object.value.parent {
+            below[parent].push(index);
+        }
+    }
+    let order: Vec<usize> = drafts.iter().map(|(index, _)| *index).collect();
+    let drafts = drafts.into_iter().map(|(index, draft)| (index, State::Waiting(draft))).collect();
+    let mut copier = Copier { file, objects, below, originals, drafts };
+    for index in order {
+        if copier.add(index).is_none() {
+            break;
+        }
+    }
+    CopiedObjects { originals: copier.originals }
+}
+
+impl CopiedObjects {
+    /// For each object from index `first` on, the one of the file that it comes from: what it is like, or what shows it.
+    pub fn sources(&self, objects: &[Named<Object>], first: usize) -> Vec<usize> {
+        let source = |index: usize| match objects[index].value.parent {
+            Some(parent) if self.originals[index] == index => self.originals[parent],
+            _ => self.originals[index],
+        };
+        (first..objects.len()).map(source).collect()
+    }
+
+    /// For each object, what the one that it is like has, if `all` holds anything.
+    pub fn of_originals<T: Clone>(&self, mut all: Vec<Option<T>>) -> Vec<Option<T>> {
+        if all.iter().any(Option::is_some) {
+            let missing = self.originals.get(all.len()..).unwrap_or_default();
+            let further: Vec<_> =
+                missing.iter().map(|&original| all.get(original).cloned().flatten()).collect();
+            all.extend(further);
+        }
+        all
+    }
+
+    /// Gives copies the deformed meshes of what they are like.
+    pub fn share_deformations(&self, objects: &mut [Named<Object>]) {
+        for (copy, &original) in
+            self.originals.iter().enumerate().filter(|(copy, original)| copy != *original)
+        {
+            if let Some(tracks @ ShapeTracks::Deformed(_)) = objects[original].value.tracks.clone() {
+                objects[copy].value.shape = objects[original].value.shape.clone();
+                objects[copy].value.tracks = Some(tracks);
+            }
+        }
+    }
+}
+
+/// How far the instances of an object are.
+enum State {
+    Waiting(GroupDraft),
+    /// Those within its group come first.
+    Begun,
+    Added,
+}
+
+struct Copier<'a, 'f> {
+    file: &'a File<'f>,
+    objects: &'a mut Vec<Named<Object>>,
+    /// For each object, those whose parent it is.
+    below: Vec<Vec<usize>>,
+    originals: Vec<usize>,
+    drafts: HashMap<usize, State>,
+}
+
+impl Copier<'_, '_> {
+    /// Adds the instances of an object. None after a fault.
+    fn add(&mut self, index: usize) -> Option<()> {
+        let draft = match self.drafts.insert(index, State::Begun) {
+            Some(State::Waiting(draft)) => draft,
+            Some(State::Added) | None => {
+                self.drafts.insert(index, State::Added);
+                return Some(());
+            }
+            // Reported by the one that began.
+            Some(State::Begun) => return None,
+        };
+        for inner in self.all_below(draft.of) {
+            if matches!(self.drafts.get(&inner), Some(State::Begun)) {
+                let name = shortened(&self.objects[draft.of].name);
+                let title = format!("`{name}` cannot be shown within itself");
+                let label = format!("these instances are in `{name}`, or in what it shows");
+                self.file.push(Fault::new(draft.place, title, label));
+                return None;
+            }
+            if self.drafts.contains_key(&inner) {
+                self.add(inner)?;
+            }
+        }
+        let group = self.all_below(draft.of);
+        let more = draft.placements.len().saturating_mul(group.len() + 1);
+        if more.saturating_add(self.objects.len()) > MAX_ENTRIES {
+            let title = format!("a sequence has at most {MAX_ENTRIES} objects");
+            let label = format!("{} instances of {} objects", draft.placements.len(), group.len());
+            self.file.push(Fault::new(draft.place, title, label));
+            return None;
+        }
+        for (number, placement) in draft.placements.into_iter().enumerate() {
+            self.add_one(index, number, placement, &group);
+        }
+        self.drafts.insert(index, State::Added);
+        Some(())
+    }
+
+    /// An object and all below it, parents before children.
+    fn all_below(&self, object: usize) -> Vec<usize> {
+        let (mut all, mut next) = (vec![object], 0);
+        while let Some(&above) = all.get(next) {
+            all.extend(&self.below[above]);
+            next += 1;
+        }
+        all
+    }
+
+    /// Adds one instance of a group below an object.
+    fn add_one(&mut self, shown_by: usize, number: usize, placement: Placement, group: &[usize]) {
+        let Placement { transform, visible, row } = placement;
+        let name = format!("{}[{number}]", self.objects[shown_by].name);
+        let place = Object {
+            shape: Shape::Group,
+            tracks: None,
+            made_of: MaterialBinding::One(0),
+            transform,
+            visible,
+            rays: RayVisibility::default(),
+            parent: Some(shown_by),
+            skin_of: None,
+            clip: Vec::new(),
+            row: None,
+        };
+        let place = self.push(Named { name: name.clone(), value: place }, None);
+        let copies: HashMap<usize, usize> =
+            (self.objects.len()..).zip(group).map(|(copy, of)| (*of, copy)).collect();
+        for &of in group {
+            let Named { name: own, value } = &self.objects[of];
+            let mut value = value.clone();
+            value.parent =
+                Some(value.parent.filter(|_| of != group[0]).map_or(place, |parent| copies[&parent]));
+            value.skin_of = value.skin_of.map(|node| copies.get(&node).copied().unwrap_or(node));
+            value.row = value.row.or_else(|| Some(row.clone()));
+            // A group that is there only for its instances is hidden itself.
+            if of == group[0] && value.visible == Animated::Constant(false) {
+                value.visible = true.into();
+            }
+            let copy = Named { name: format!("{name}/{own}"), value };
+            self.push(copy, Some(of));
+        }
+    }
+
+    /// Adds an object, a copy of `original` if there is one. Returns its index.
+    fn push(&mut self, object: Named<Object>, original: Option<usize>) -> usize {
+        let index = self.objects.len();
+        if let Some(parent) = object.value.parent {
+            self.below[parent].push(index);
+        }
+        self.below.push(Vec::new());
+        self.originals.push(original.map_or(index, |original| self.originals[original]));
+        self.objects.push(object);
+        index
+    }
+}
