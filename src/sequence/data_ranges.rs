@@ -10,6 +10,7 @@ use crate::geometry::mesh::{ArrayKey, Centering, Component, DataArray};
 use crate::geometry::shape::{self, Shape};
 use crate::geometry::table_rows::TableColumns;
 use crate::import::series::MeshSeries;
+use crate::track::Animated;
 use rustc_hash::FxHashSet;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -35,7 +36,7 @@ pub fn resolve(
         data.push(found);
     }
     let (mut ranges, mut noted) = (Ranges::new(), FxHashSet::default());
-    for (object, place) in objects.iter().zip(places) {
+    for (index, (object, place)) in objects.iter().zip(places).enumerate() {
         let shown = object.value.made_of.indices().filter_map(|index| data.get(index as usize));
         let mut seen: Vec<&DataSource> = Vec::new();
         for texture in shown.flatten().filter(|_| object.value.shape != Shape::Group) {
@@ -48,7 +49,10 @@ pub fn resolve(
                 Ok(()) if matches!(texture.source, DataSource::Array(_)) => {
                     noted.insert(read);
                 }
-                Err(fault) if !seen.contains(&&texture.source) => file.push(*fault),
+                // A group that only its instances show may lack what their rows have.
+                Err(fault) if !seen.contains(&&texture.source) && !is_hidden(objects, index) => {
+                    file.push(*fault)
+                }
                 _ => {}
             }
             seen.push(&texture.source);
@@ -125,6 +129,12 @@ fn note(
     let (whole, _) = ranges.entry((source.clone(), *scale)).or_insert((None, place.start));
     *whole = union(*whole, range);
     Ok(())
+}
+
+/// Whether no frame shows an object.
+fn is_hidden(objects: &[Named<Object>], index: usize) -> bool {
+    let above = std::iter::successors(Some(index), |&at| objects[at].value.parent);
+    above.into_iter().any(|at| objects[at].value.visible == Animated::Constant(false))
 }
 
 /// The addresses of an object's data: that of its shape, and that of its table.

@@ -1,6 +1,6 @@
 //! Groups as instances: objects, and all below them, at the places of a table.
 
-use crate::command::{contents, kinora};
+use crate::command::{contents, kinora, refused};
 use crate::support::{sequence_in, shoot_all_in};
 use kinora::film::Film;
 use kinora::sequence::Sequence;
@@ -126,4 +126,29 @@ fn instances_are_cut_and_explode() {
     let outside = format!(", {cut}, {explode}");
     let found = films(folder.path(), &shown("scale: 0.9", &outside));
     assert!(found == films(folder.path(), &hand("scale: 0.9", &outside)));
+}
+
+/// The colours of instances come from their rows, which the hidden group itself does not have.
+#[test]
+fn columns_color_the_objects_of_a_group() {
+    let folder = folder();
+    put(folder.path(), "at.csv", "x,y,z,heat\n-1,0,0,0\n1,0,0,10\n");
+    let color = "Unlit(color: Scalar(of: \"heat\", map: [\"#ff0000\", \"#0000ff\"], steps: 2))";
+    let group = |visible: bool| {
+        format!(
+            "\"lamp\": (shape: Group, visible: {visible}),
+            \"bulb\": (shape: Sphere(radius: 0.5), parent: \"lamp\", material: {color}),
+            \"lamps\": (shape: Instances(of: \"lamp\", file: \"at.csv\"))"
+        )
+    };
+    let bulb = |x: i32, color: &str| {
+        format!(
+            "\"{x}\": (shape: Sphere(radius: 0.5), translation: ({x}, 0, 0), material: Unlit(color: \"{color}\")),"
+        )
+    };
+    let expected = films(folder.path(), &(bulb(-1, "#ff0000") + &bulb(1, "#0000ff")));
+    assert!(films(folder.path(), &group(false)) == expected);
+    put(folder.path(), "a.ron", &text(&group(true)));
+    let printed = refused(folder.path(), &["check", "a.ron"]);
+    assert!(printed.contains("only meshes, particles and instances have data such as `heat`"), "{printed}");
 }
