@@ -116,7 +116,8 @@ impl SampleSets {
         }
         meter.pass.store(0, Relaxed);
         meter.passes.store(0, Relaxed);
-        let film = denoise(&self.films(), f64::from(self.drawn(self.picture)));
+        let samples = f64::from(self.drawn(self.picture));
+        let film = tracing::debug_span!("denoise").in_scope(|| denoise(&self.films(), samples));
         match quality.noise {
             Some(target) => self.judge(film, target, quality.seed, weightings, meter),
             None => NextStep::Done(film),
