@@ -49,6 +49,37 @@ impl<S: Single> Color<S> {
         Self { r: S::gather(from[0], at), g: S::gather(from[1], at), b: S::gather(from[2], at) }
     }
 
+    /// Consecutive colours from index `at` of three lists of channels on.
+    #[inline(always)]
+    pub fn load(from: [&[f32]; 3], at: usize) -> Self {
+        Self { r: S::load(from[0], at), g: S::load(from[1], at), b: S::load(from[2], at) }
+    }
+
+    /// Stores consecutive colours from index `at` of three lists of channels on.
+    #[inline(always)]
+    pub fn store(self, into: &mut [&mut [f32]; 3], at: usize) {
+        let [red, green, blue] = into;
+        self.r.store(red, at);
+        self.g.store(green, at);
+        self.b.store(blue, at);
+    }
+
+    /// The sum of the channels.
+    #[inline(always)]
+    pub fn element_sum(self) -> S {
+        self.r + self.g + self.b
+    }
+
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> S {
+        self.r * other.r + self.g * other.g + self.b * other.b
+    }
+
+    #[inline(always)]
+    pub fn length_squared(self) -> S {
+        self.dot(self)
+    }
+
     /// The colour of one lane. It stores all lanes, so store once if many lanes are needed.
     #[inline(always)]
     pub fn lane(self, lane: usize) -> Rgb {

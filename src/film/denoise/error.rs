@@ -6,15 +6,15 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// The side of the blocks in which errors are summed, in pixels: noise of different blocks is independent, and bias hardly
-/// depends on that of others.
+/// The side of the blocks in which errors are summed, in pixels: noise of different blocks is independent, and bias
+/// hardly depends on that of others.
 const BLOCK: usize = 8;
 
 /// The squared error of a denoised film, with any weights of its layers.
 ///
-/// Let F be a value of the denoised film, T the truth, and a and b those of the audits, which are independent of F and of each
-/// other and have no bias. Then the mean of (F - a) (F - b) is (F - T)², the squared error of F, whatever made F. For two
-/// layers, the squares become products, so sums of products give the error with any weights.
+/// Let F be a value of the denoised film, T the truth, and a and b those of the audits, which are independent of F and
+/// of each other and have no bias. Then the mean of (F - a) (F - b) is (F - T)², the squared error of F, whatever made
+/// F. For two layers, the squares become products, so sums of products give the error with any weights.
 #[derive(Clone, Debug, PartialEq)]
 #[warn(missing_docs)]
 pub struct RemainingError {
@@ -60,10 +60,10 @@ impl RemainingError {
         Self { samples, held: Arc::clone(&film.held), pixels, products, means }
     }
 
-    /// The error with these weights. A squared error that is smaller than its own standard deviation, or even negative, is
-    /// stated as that: smaller errors do not differ significantly from 0. The interval holds the true error in about 95 of
-    /// 100 frames.
-    /// Without two blocks, or if light overflows, nothing is known of the error: it and its interval are infinite.
+    /// The error with these weights. A squared error that is smaller than its own standard deviation, or even negative,
+    /// is stated as that: smaller errors do not differ significantly from 0. The interval holds the true error in about
+    /// 95 of 100 frames. Without two blocks, or if light overflows, nothing is known of the error: it and its interval
+    /// are infinite.
     pub fn of(&self, weights: &[Rgb]) -> Noise {
         let weighted =
             self.means.iter().zip(self.held_weights(weights)).filter(|(_, weight)| *weight != DVec3::ZERO);
@@ -84,8 +84,8 @@ impl RemainingError {
         Noise { error, low, high, samples: self.samples, capped: 0.0 }
     }
 
-    /// The estimate of the mean squared error over pixels and channels with these weights, and its variance. The estimate
-    /// may be negative by chance.
+    /// The estimate of the mean squared error over pixels and channels with these weights, and its variance. The
+    /// estimate may be negative by chance.
     pub(super) fn square(&self, weights: &[Rgb]) -> (f64, f64) {
         let weights: Vec<DVec3> = self.held_weights(weights).collect();
         let pairs = weights.len() * (weights.len() + 1) / 2;
@@ -134,9 +134,9 @@ impl BlockSums {
 
     fn add(&mut self, pixel: usize, film: &Film, audits: &[&Film; 2]) {
         self.pixels += 1.0;
-        let light = |layer: usize| film.pixel(pixel)[layer].as_dvec3();
-        let differences =
-            |layer: usize| audits.map(|audit| light(layer) - audit.pixel(pixel)[layer].as_dvec3());
+        let (own, audits) = (film.pixel(pixel), audits.map(|audit| audit.pixel(pixel)));
+        let light = |layer: usize| own[layer].as_dvec3();
+        let differences = |layer: usize| audits.map(|audit| light(layer) - audit[layer].as_dvec3());
         let mut products = self.products.iter_mut();
         for row in 0..self.light.len() {
             self.light[row] += light(row);

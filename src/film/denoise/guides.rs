@@ -1,47 +1,95 @@
 //! What the light of a pixel is fitted to.
 
 use super::super::Film;
+use super::columns::Columns;
+use super::planes::{COLUMN, read_line};
+use crate::base::lanes::{Real, Row, Single};
 use crate::film::aov::GUIDES;
+use rayon::prelude::*;
 
 /// The number of guides of a pixel: albedo, normal, closeness, and the position in the picture.
-pub const COUNT: usize = 9;
+pub const COUNT: usize = POSITION + 2;
 
 /// The guides of the last two entries, which are positions in pixels.
-pub const POSITION: usize = COUNT - 2;
+pub const POSITION: usize = 7;
 
-/// The guides of all pixels of a picture, row by row.
+/// The places of the guides before positions among the channels of the film's guides, which begin with closeness.
+const PLANES: [usize; POSITION] = [6, 7, 8, 3, 4, 5, 0];
+
+/// The number of features of a pixel: 1, and its guides. A linear function of the guides with a constant is a linear
+/// form of the features.
+pub const FEATURES: usize = COUNT + 1;
+
+/// The guides of all pixels of a picture, in lanes.
 pub struct Guides {
-    pub width: usize,
-    pub height: usize,
-    values: Vec<[f32; COUNT]>,
+    columns: Columns,
+    height: usize,
+    /// Per row: the guides without positions.
+    values: Vec<f32>,
+    /// For a row: 1 in the picture and 0 beside it, and the positions along it.
+    row: Vec<f32>,
 }
 
 impl Guides {
-    pub const BYTES_PER_PIXEL: u64 = size_of::<[f32; COUNT]>() as u64;
+    /// Positions are the same in all rows.
+    pub const BYTES_PER_PIXEL: u64 = size_of::<[f32; POSITION]>() as u64;
 
-    /// The guides of a film. Closeness is 1 over the distance, which is linear in the position on planes, relative to its
-    /// mean over the picture.
+    /// The guides of a film. Closeness is 1 over the distance, which is linear in the position on planes, relative to
+    /// its mean over the picture.
     pub fn new(film: &Film) -> Self {
         let (width, height) = (film.width as usize, film.height as usize);
-        let first = film.layers() - GUIDES;
-        let mut values: Vec<[f32; COUNT]> = (0..width * height)
-            .map(|pixel| {
-                let [place, normal, albedo] = [0, 1, 2].map(|guide| film.pixel(pixel)[first + guide]);
-                let (x, y) = ((pixel % width) as f32, (pixel / width) as f32);
-                [albedo.x, albedo.y, albedo.z, normal.x, normal.y, normal.z, place.x, x, y].map(finite)
-            })
-            .collect();
-        let closeness = POSITION - 1;
-        let seen = values.iter().map(|guides| f64::from(guides[closeness])).filter(|near| *near > 0.0);
-        let (count, sum) = seen.fold((0.0, 0.0), |(count, sum), near| (count + 1.0, sum + near));
-        let unit = if sum > 0.0 { (count / sum) as f32 } else { 0.0 };
-        values.iter_mut().for_each(|guides| guides[closeness] = finite(guides[closeness] * unit));
-        Self { width, height, values }
+        let (columns, first) = (Columns::new(width), film.layers() - GUIDES);
+        let unit = unit_of_closeness(film, first);
+        let mut values = vec![0.0; height * POSITION * columns.of_row()];
+        let rows = values.par_chunks_exact_mut(POSITION * columns.of_row()).enumerate();
+        rows.for_each(|(y, values)| {
+            let mut line = vec![0.0; 3 * GUIDES * columns.pixels()];
+            read_line(film, first..first + GUIDES, y, &mut line);
+            line.iter_mut().for_each(|guide| *guide = finite(*guide));
+            for (plane, values) in PLANES.into_iter().zip(values.chunks_exact_mut(columns.of_row())) {
+                columns.spread(&line[plane * columns.pixels()..][..columns.pixels()], values);
+            }
+            let closeness = &mut values[(POSITION - 1) * columns.of_row()..];
+            closeness.iter_mut().for_each(|near| *near = finite(*near * unit));
+        });
+        let mut row = vec![0.0; 2 * columns.of_row()];
+        let (inside, along) = row.split_at_mut(columns.of_row());
+        let places = |number: fn(usize) -> f32| {
+            let mut row = vec![0.0; columns.pixels()];
+            row.iter_mut().enumerate().take(width).for_each(|(x, value)| *value = number(x));
+            row
+        };
+        columns.spread(&places(|_| 1.0), inside);
+        columns.spread(&places(|x| x as f32), along);
+        Self { columns, height, values, row }
     }
 
-    pub fn at(&self, pixel: usize) -> [f64; COUNT] {
-        self.values[pixel].map(f64::from)
+    /// The features of eight pixels of a row: of those at the same place in columns from `column` on. Beside the
+    /// picture, they are zero.
+    #[inline(always)]
+    pub fn features<F: Real>(&self, y: usize, place: usize, column: usize) -> [F; FEATURES] {
+        let mut features = [F::splat(0.0); FEATURES];
+        if y < self.height {
+            let at = place * self.columns.padded + column;
+            let inside = F::F32::load(&self.row, at).to_f64();
+            features[0] = inside;
+            for guide in 0..POSITION {
+                let at = ((y * POSITION + guide) * COLUMN + place) * self.columns.padded + column;
+                features[guide + 1] = F::F32::load(&self.values, at).to_f64();
+            }
+            features[POSITION + 1] = F::F32::load(&self.row, self.columns.of_row() + at).to_f64();
+            features[POSITION + 2] = inside * F::splat(y as f64);
+        }
+        features
     }
+}
+
+/// By what closeness is multiplied to have the mean 1 where something is seen.
+fn unit_of_closeness(film: &Film, layer: usize) -> f32 {
+    let all = film.data.chunks_exact(film.layers()).map(|pixel| f64::from(finite(pixel[layer].x)));
+    let (count, sum) =
+        all.filter(|near| *near > 0.0).fold((0.0, 0.0), |(count, sum), near| (count + 1.0, sum + near));
+    if sum > 0.0 { (count / sum) as f32 } else { 0.0 }
 }
 
 /// Albedos of thousands and surfaces at the camera would outweigh everything else.

@@ -1,23 +1,29 @@
 //! Denoises films of random samples, and measures the error that is left.
 //!
-//! The samples of a picture are traced as two films, the halves of one sequence. At several scales, the light of each half
-//! in a window is fitted by a linear function of guides: position, distance, albedo and normal of the surfaces that are
-//! seen (first-order regression after Bitterli, Rousselle et al., "Nonlinearly weighted first-order regression for denoising
-//! Monte Carlo renderings", 2016; windows that overlap instead of weights after He, Sun, Tang, "Guided image filtering",
-//! 2010). The fits of each half are compared with the samples of the other one, which shows the error of every scale around
-//! each pixel. The samples themselves are candidates, with and without outliers, so more samples lead to the truth.
+//! The samples of a picture are traced as two films, the halves of one sequence. At several scales, the light of each
+//! half in a window is fitted by a linear function of guides: position, distance, albedo and normal of the surfaces
+//! that are seen (first-order regression after Bitterli, Rousselle et al., "Nonlinearly weighted first-order regression
+//! for denoising Monte Carlo renderings", 2016; windows that overlap instead of weights after He, Sun, Tang, "Guided
+//! image filtering", 2010). The fits of each half are compared with the samples of the other one, which shows the error
+//! of every scale around each pixel. The samples themselves are candidates, with and without outliers, so more samples
+//! lead to the truth.
 //!
-//! Two small films of other samples, the audits, are never part of the picture. They show how much of the filter's changes
-//! to keep (see [`trust`]), and the squared error of the result, bias included, without bias (see [`error`]).
+//! Two small films of other samples, the audits, are never part of the picture. They show how much of the filter's
+//! changes to keep (see [`trust`]), and the squared error of the result, bias included, without bias (see [`error`]).
 //!
 //! Every layer of light is filtered on its own, so the picture stays a weighted sum of layers.
 
+mod calibration;
 mod candidates;
 mod choice;
+mod columns;
 mod error;
 mod guides;
+mod measured;
 mod outliers;
+mod planes;
 mod regression;
+mod surroundings;
 #[cfg(test)]
 mod tests;
 mod trial;
@@ -29,11 +35,16 @@ pub use trial::trial;
 use super::aov::GUIDES;
 use super::{AovSet, Film};
 use crate::base::color::Rgb;
+use crate::base::lanes::dispatch;
+use calibration::Calibration;
 use candidates::Candidates;
-use choice::Choice;
+use choice::MixRow;
+use measured::Measured;
+use planes::{Planes, channels_mut};
 use rayon::prelude::*;
 use std::sync::Arc;
-use trust::{Change, Trust};
+use surroundings::surroundings;
+use trust::Trust;
 
 /// Films of the same scene that make one denoised film.
 #[derive(Clone, Copy, Debug)]
@@ -50,11 +61,6 @@ impl SampleFilms<'_> {
         let [first, second] = self.halves.map(|film| film.pixel(pixel)[layer]);
         (first + second) * 0.5
     }
-
-    /// The light of both audits.
-    fn audit(&self, pixel: usize, layer: usize) -> [Rgb; 2] {
-        self.audits.map(|film| film.pixel(pixel)[layer])
-    }
 }
 
 /// Samples per pixel of each audit of a picture of so many samples.
@@ -62,10 +68,16 @@ pub fn samples_of_audit(picture: u32) -> u32 {
     (picture / 8).max(2)
 }
 
+/// Bytes per pixel of a layer while it is filtered: its audits, what is measured of its candidates, at the pixel and
+/// around it, and changes.
+const BYTES_OF_LAYER: u64 =
+    Measured::BYTES_PER_PIXEL + ((6 + candidates::CANDIDATES + trust::NUMBERS) * size_of::<f32>()) as u64;
+
 /// Bytes per pixel that denoising takes besides the film, if it has so many layers of light.
 pub fn bytes_of_pixel(layers: u64) -> u64 {
-    let films = (2 * (layers + GUIDES as u64) + 2 * layers) * size_of::<Rgb>() as u64;
-    films + candidates::bytes_of_pixel(layers) + choice::BYTES_PER_PIXEL + trust::BYTES_PER_PIXEL
+    // All films, and the filtered light.
+    let light = (2 * (layers + GUIDES as u64) + 2 * layers + layers) * size_of::<Rgb>() as u64;
+    light + candidates::bytes_of_pixel(layers) + BYTES_OF_LAYER
 }
 
 /// Denoises a picture. The film holds no guides. `samples` is the number of samples per pixel of all films.
@@ -74,12 +86,18 @@ pub fn denoise(films: &SampleFilms, samples: f64) -> Film {
     let aovs = AovSet { guides: false, ..first.aovs };
     let mut film = Film::with_aovs(first.width, first.height, first.weights.clone(), aovs);
     let filtered = filter(films);
-    let (layers, lights) = (film.layers(), film.held.len());
-    film.data_mut().par_chunks_exact_mut(layers.max(1)).enumerate().for_each(|(pixel, data)| {
-        let (light, others) = data.split_at_mut(lights);
-        light.copy_from_slice(&filtered[pixel * lights..][..lights]);
-        for (layer, value) in (lights..).zip(others) {
-            *value = films.samples(pixel, layer);
+    let (layers, lights, width) = (film.layers(), film.held.len(), film.width as usize);
+    film.data_mut().par_chunks_exact_mut((width * layers).max(1)).enumerate().for_each(|(y, row)| {
+        for layer in 0..lights {
+            let [red, green, blue] = filtered.channels(layer, y);
+            for (x, pixel) in row.chunks_exact_mut(layers).enumerate() {
+                pixel[layer] = Rgb::new(red[x], green[x], blue[x]);
+            }
+        }
+        for (x, pixel) in row.chunks_exact_mut(layers).enumerate() {
+            for (layer, value) in pixel.iter_mut().enumerate().skip(lights) {
+                *value = films.samples(y * width + x, layer);
+            }
         }
     });
     film.samples = aovs.samples.then(|| {
@@ -93,36 +111,40 @@ pub fn denoise(films: &SampleFilms, samples: f64) -> Film {
     film
 }
 
-/// The filtered light: all layers of each pixel, row by row.
-fn filter(films: &SampleFilms) -> Vec<Rgb> {
+/// The filtered light of all layers.
+fn filter(films: &SampleFilms) -> Planes {
     let [film, _] = films.halves;
-    let (size, layers) = ((film.width as usize, film.height as usize), film.held.len());
+    let layers = film.held.len();
+    let mut filtered = Planes::new((film.width as usize, film.height as usize), 3 * layers);
     let candidates = Candidates::new(films.halves);
-    let mut filtered = vec![Rgb::ZERO; size.0 * size.1 * layers];
     for layer in 0..layers {
-        let choice = Choice::new(size, |pixel| candidates.measure(pixel, layer, films.audit(pixel, layer)));
-        filtered.par_chunks_exact_mut(layers).enumerate().for_each(|(pixel, light)| {
-            let [first, second] = candidates.at(pixel, layer);
-            let means = first.into_iter().zip(second).map(|(first, second)| (first + second) * 0.5);
-            let light_of_all: Rgb =
-                means.zip(choice.weights(pixel)).map(|(light, weight)| light * weight).sum();
-            light[layer] = if light_of_all.is_finite() { light_of_all } else { films.samples(pixel, layer) };
-        });
-        let change = |(pixel, light): (usize, &[Rgb])| {
-            let change = [films.samples(pixel, layer), light[layer]];
-            let unit = candidates.unit(pixel, layer);
-            Change::new(change, films.audit(pixel, layer), choice.noise(pixel), unit)
-        };
-        let changes: Vec<Change> = filtered.par_chunks_exact(layers).enumerate().map(change).collect();
-        let trust = Trust::new(size.0, &changes);
-        filtered.par_chunks_exact_mut(layers).zip(&changes).enumerate().for_each(
-            |(pixel, (light, change))| {
-                let share = trust.samples(pixel, size.0, change);
-                if share > 0.0 {
-                    light[layer] += (films.samples(pixel, layer) - light[layer]) * share;
-                }
-            },
-        );
+        filter_layer(&candidates, layer, films.audits, &mut filtered);
     }
     filtered
+}
+
+/// Filters a layer of light.
+fn filter_layer(candidates: &Candidates, layer: usize, audits: [&Film; 2], filtered: &mut Planes) {
+    let audits = audits.map(|film| Planes::of_film(film, layer..layer + 1));
+    let measured = Measured::new(candidates, layer, &audits);
+    let around = surroundings(&measured);
+    let calibration = Calibration::new(candidates, layer, &measured, &around);
+    let (stride, mut changes) = (filtered.stride, Planes::new(filtered.size(), trust::NUMBERS));
+    let of_layer = 3 * layer * stride;
+    filtered.par_lines_mut().zip(changes.par_lines_mut()).enumerate().for_each(|(y, (line, changes))| {
+        let candidates = candidates.row(layer, y);
+        let audits = audits.each_ref().map(|audit| audit.channels(0, y));
+        let light = channels_mut(&mut line[of_layer..][..3 * stride], stride);
+        let (around, calibration) = (&around, &calibration);
+        dispatch(MixRow { candidates, around, calibration, audits, y, light, changes });
+    });
+    let trust = Trust::new(&changes);
+    filtered.par_lines_mut().enumerate().for_each(|(y, line)| {
+        let (samples, shares) = (candidates.samples(layer, y), trust.samples(y, &changes));
+        for (light, halves) in line[of_layer..].chunks_exact_mut(stride).zip(samples) {
+            for (x, share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
+                light[x] += ((halves[0][x] + halves[1][x]) * 0.5 - light[x]) * share;
+            }
+        }
+    });
 }

@@ -3,9 +3,9 @@
 //! A path that few samples find makes a lonely bright pixel, which may hold most of the error of a picture. A fit would
 //! spread it over its window. What is dimmed here are candidates: whether they have the smaller error is measured.
 
-use super::super::Film;
-use crate::base::color::Rgb;
+use super::planes::Planes;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// How far around a pixel others are compared with it, in pixels.
 const REACH: usize = 2;
@@ -13,64 +13,148 @@ const REACH: usize = 2;
 /// How many times as bright as the brightest pixel around it a pixel may be. Plain noise of a few samples stays below.
 const FACTOR: f32 = 2.0;
 
-/// The layers of light of all pixels, row by row, without outliers.
-pub fn dimmed(film: &Film) -> Vec<Rgb> {
-    let (width, height) = (film.width as usize, film.height as usize);
-    let layers = film.held.len();
-    let brightness = |pixel: usize, layer: usize| film.pixel(pixel)[layer].element_sum();
-    let mut light = vec![Rgb::ZERO; width * height * layers];
-    light.par_chunks_exact_mut(layers.max(1)).enumerate().for_each(|(pixel, light)| {
-        let (x, y) = (pixel % width, pixel / width);
-        for (layer, light) in light.iter_mut().enumerate() {
-            let mut limit = 0.0_f32;
-            for row in y.saturating_sub(REACH)..height.min(y + REACH + 1) {
-                for column in x.saturating_sub(REACH)..width.min(x + REACH + 1) {
-                    if (column, row) != (x, y) {
-                        limit = limit.max(brightness(row * width + column, layer));
-                    }
-                }
+/// The light of all pixels without outliers.
+pub fn dimmed(light: &Planes) -> Planes {
+    let (stride, layers) = (light.stride, light.count / 3);
+    let mut brightness = Planes::new(light.size(), layers);
+    brightness.par_lines_mut().enumerate().for_each(|(y, line)| {
+        for (layer, sums) in line.chunks_exact_mut(stride).enumerate() {
+            let [red, green, blue] = light.channels(layer, y);
+            for (x, sum) in sums.iter_mut().enumerate() {
+                *sum = red[x] + green[x] + blue[x];
             }
-            let (own, limit) = (brightness(pixel, layer), FACTOR * limit);
-            let factor = if own > limit { limit / own } else { 1.0 };
-            *light = film.pixel(pixel)[layer] * factor;
         }
     });
-    light
+    let mut dimmed = Planes::new(light.size(), light.count);
+    dimmed.par_lines_mut().enumerate().for_each(|(y, line)| {
+        for (layer, dimmed) in line.chunks_exact_mut(3 * stride).enumerate() {
+            let mut factors = brightest_around(&brightness, layer, y);
+            for (factor, own) in factors.iter_mut().zip(brightness.row(layer, y)) {
+                let limit = FACTOR * *factor;
+                *factor = if *own > limit { limit / own } else { 1.0 };
+            }
+            for (into, channel) in dimmed.chunks_exact_mut(stride).zip(light.channels(layer, y)) {
+                for (x, factor) in factors.iter().enumerate() {
+                    into[x] = channel[x] * factor;
+                }
+            }
+        }
+    });
+    dimmed
 }
 
-/// The least and the greatest light around each pixel, itself included, in every layer and channel. A fit beyond them
-/// extrapolates: next to a lamp, it may be negative.
-pub fn ranges((width, height): (usize, usize), layers: usize, light: &[Rgb]) -> Vec<[Rgb; 2]> {
-    let join = |all: [Rgb; 2], one: &[Rgb; 2]| [all[0].min(one[0]), all[1].max(one[1])];
-    let own: Vec<[Rgb; 2]> = light.iter().map(|light| [*light; 2]).collect();
-    let row = width * layers;
-    let around = |values: &[[Rgb; 2]], at: usize, (place, length, step): (usize, usize, usize)| {
-        let first = place.saturating_sub(REACH);
-        let last = length.min(place + REACH + 1);
-        (first..last).map(|other| &values[at + other * step - place * step]).fold(values[at], join)
-    };
-    let along = |at: usize| around(&own, at, (at / layers % width, width, layers));
-    let rows: Vec<[Rgb; 2]> = (0..own.len()).into_par_iter().map(along).collect();
-    (0..own.len()).into_par_iter().map(|at| around(&rows, at, (at / row, height, row))).collect()
+/// The greatest of the numbers around each pixel of a row, itself not included, and 0.
+fn brightest_around(numbers: &Planes, plane: usize, y: usize) -> Vec<f32> {
+    // The others in the column of each pixel, and with the pixel itself.
+    let mut others = vec![0.0; numbers.width];
+    for other in near(y, numbers.height).filter(|other| *other != y) {
+        raise(&mut others, numbers.row(plane, other));
+    }
+    let mut columns = others.clone();
+    raise(&mut columns, numbers.row(plane, y));
+    join_beside(&mut others, &columns, raise);
+    others
+}
+
+/// The least and the greatest light around each pixel of some rows, itself included, in every layer and channel. A fit
+/// beyond them extrapolates: next to a lamp, it may be negative.
+pub fn bounds(light: &Planes, rows: Range<usize>) -> [Planes; 2] {
+    [around(light, rows.clone(), lower), around(light, rows, raise)]
+}
+
+/// Joins the numbers around each pixel of some rows, itself included, in every plane.
+fn around(light: &Planes, rows: Range<usize>, join: Join) -> Planes {
+    let mut joined = Planes::new((light.width, rows.len()), light.count);
+    joined.lines_mut().zip(rows).for_each(|(line, y)| {
+        for (plane, into) in line.chunks_exact_mut(light.stride).enumerate() {
+            let into = &mut into[..light.width];
+            into.copy_from_slice(&light.row(plane, y)[..light.width]);
+            near(y, light.height).for_each(|other| join(into, light.row(plane, other)));
+            let columns = into.to_vec();
+            join_beside(into, &columns, join);
+        }
+    });
+    joined
+}
+
+/// Joins what is known of the columns beside each pixel of a row.
+fn join_beside(row: &mut [f32], columns: &[f32], join: Join) {
+    for offset in 1..=REACH.min(row.len()) {
+        join(row, &columns[offset..]);
+        join(&mut row[offset..], columns);
+    }
+}
+
+/// The places around a place that are on an axis of this length.
+fn near(place: usize, length: usize) -> Range<usize> {
+    place.saturating_sub(REACH)..length.min(place + REACH + 1)
+}
+
+/// Joins numbers with others, as far as there are some.
+type Join = fn(&mut [f32], &[f32]);
+
+/// Raises numbers to others that are greater.
+fn raise(numbers: &mut [f32], others: &[f32]) {
+    numbers
+        .iter_mut()
+        .zip(others)
+        .for_each(|(number, other)| *number = if *other > *number { *other } else { *number });
+}
+
+/// Lowers numbers to others that are smaller.
+fn lower(numbers: &mut [f32], others: &[f32]) {
+    numbers
+        .iter_mut()
+        .zip(others)
+        .for_each(|(number, other)| *number = if *other < *number { *other } else { *number });
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::color::Rgb;
+
+    /// The light of the pixels around one, itself included.
+    fn near(light: &Planes, layer: usize, [x, y]: [usize; 2]) -> impl Iterator<Item = ([usize; 2], Rgb)> {
+        let pixels = (0..light.height).flat_map(|y| (0..light.width).map(move |x| [x, y]));
+        let is_near = move |other: &[usize; 2]| other[0].abs_diff(x) <= 2 && other[1].abs_diff(y) <= 2;
+        pixels.filter(is_near).map(move |[x, y]| ([x, y], light.light(layer, [x, y])))
+    }
+
+    /// Two layers of small pictures.
+    fn for_all_pixels(check: impl Fn(&Planes, usize, [usize; 2])) {
+        for size in [(7, 6), (1, 4), (2, 1), (19, 3)] {
+            let mut light = Planes::new(size, 6);
+            let stride = light.stride;
+            light.par_lines_mut().enumerate().for_each(|(y, line)| {
+                for (at, number) in line.iter_mut().enumerate().filter(|(at, _)| at % stride < size.0) {
+                    *number = ((at + 5 * y) * 37 % 84) as f32 * if (at + y) % 11 == 3 { 9.0 } else { 1.0 };
+                }
+            });
+            for layer in 0..2 {
+                (0..size.0 * size.1).for_each(|pixel| check(&light, layer, [pixel % size.0, pixel / size.0]));
+            }
+        }
+    }
 
     #[test]
-    fn ranges_are_those_of_the_neighbourhood() {
-        // Two layers of a picture of 7 x 6 pixels.
-        let light: Vec<Rgb> =
-            (0..84).map(|at| Rgb::new((at * 37 % 84) as f32, at as f32, -(at as f32))).collect();
-        for (at, range) in ranges((7, 6), 2, &light).iter().enumerate() {
-            let (layer, x, y) = (at % 2, at / 2 % 7, at / 14);
-            let near =
-                (0..42).filter(|other: &usize| (other % 7).abs_diff(x) <= 2 && (other / 7).abs_diff(y) <= 2);
-            let near: Vec<Rgb> = near.map(|other| light[other * 2 + layer]).collect();
+    fn bounds_are_those_of_the_neighbourhood() {
+        for_all_pixels(|light, layer, [x, y]| {
+            let near: Vec<Rgb> = near(light, layer, [x, y]).map(|(_, light)| light).collect();
             let least = near.iter().fold(Rgb::INFINITY, |all, one| all.min(*one));
             let most = near.iter().fold(Rgb::NEG_INFINITY, |all, one| all.max(*one));
-            assert_eq!(*range, [least, most]);
-        }
+            assert_eq!(bounds(light, y..y + 1).map(|bound| bound.light(layer, [x, 0])), [least, most]);
+        });
+    }
+
+    #[test]
+    fn outliers_become_twice_as_bright_as_the_brightest_around() {
+        for_all_pixels(|light, layer, pixel| {
+            let others = near(light, layer, pixel).filter(|(other, _)| *other != pixel);
+            let limit = 2.0 * others.map(|(_, light)| light.element_sum()).fold(0.0, f32::max);
+            let [own, dimmed] = [light, &dimmed(light)].map(|light| light.light(layer, pixel));
+            let factor = if own.element_sum() > limit { limit / own.element_sum() } else { 1.0 };
+            assert_eq!(dimmed, own * factor);
+        });
     }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::base::lanes::tests::on_all_levels;
 use crate::film::LayerId;
 use crate::testing::Random;
 use glam::Vec3;
@@ -42,8 +43,8 @@ impl Films {
 /// Samples per pixel of all films.
 const SAMPLES: f64 = 10.0;
 
-/// Films of the truth. Halves have noise of the standard deviation `noise`, in proportion to the light; audits have a quarter
-/// of their samples.
+/// Films of the truth. Halves have noise of the standard deviation `noise`, in proportion to the light; audits have a
+/// quarter of their samples.
 fn noisy(layers: usize, noise: f32, seed: u64) -> Films {
     let mut random = Random(seed);
     let films = [(noise, true), (noise, true), (2.0 * noise, false), (2.0 * noise, false)];
@@ -106,8 +107,8 @@ fn denoised_films_converge() {
     assert!(squared_error(&films.denoise(), &weights) < 1e-12);
 }
 
-/// Glints that no guide shows, and too faint to be refused one by one, are not filtered away: the audits show that samples
-/// are better there.
+/// Glints that no guide shows, and too faint to be refused one by one, are not filtered away: the audits show that
+/// samples are better there.
 #[test]
 fn faint_glints_remain() {
     const GLINT: f32 = 4.0;
@@ -189,6 +190,15 @@ fn threads_and_guides_leave_no_trace() {
         (AovSet::default(), 2, &[LayerId(0), LayerId(1)][..])
     );
     assert_eq!(film.noise.expect("denoised films have an error").samples, SAMPLES);
+}
+
+#[test]
+fn all_levels_give_the_same_bytes() {
+    let films = noisy(2, 0.3, 7);
+    // Levels are forced for a thread.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+    let results = pool.install(|| on_all_levels(|| films.denoise()));
+    assert!(results.iter().all(|(_, film)| *film == results[0].1));
 }
 
 /// Pixels whose guides are useless, or whose light overflows, harm neither their neighbours nor the program.

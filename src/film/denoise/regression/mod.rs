@@ -1,0 +1,87 @@
+//! Fits light by a linear function of guides, in windows that overlap.
+//!
+//! The picture is divided into square cells. The four cells around each corner are a window, so neighbouring windows
+//! overlap by half. In each window, the light is fitted to the guides by least squares. The fits of the four windows
+//! around a pixel are weighted as in bilinear interpolation, so that no edges of windows show.
+//!
+//! Cells have several sizes. Those of a size are summed from the four of the size below in each, so pixels are summed
+//! once. Rows of cells go from size to size as they are complete: of each size, two rows of cells and of fits are in
+//! memory.
+
+mod evaluate;
+mod least_squares;
+mod light;
+mod moments;
+mod scale;
+mod strip;
+#[cfg(test)]
+mod tests;
+
+use super::columns::Columns;
+use super::guides::Guides;
+use super::outliers::bounds;
+use super::planes::{COLUMN, Planes};
+use crate::base::lanes::{Level, SimdKernel, dispatch};
+use light::LightRows;
+use moments::{sum_cells, sum_pixels};
+use rayon::prelude::*;
+use scale::Scale;
+use std::ops::Range;
+
+/// The number of sizes of cells. Each has twice the side of the one before: 2, 4, 8 and 16 pixels.
+pub const SCALES: usize = 4;
+
+/// Rows of pixels that are fitted one after the other: a multiple of the largest cell. The cells above and below are
+/// summed twice.
+const BATCH: usize = 4 * COLUMN;
+
+/// Fits all layers of light to the guides at all scales. A fit stays between the least and the greatest light around
+/// its pixel.
+pub fn fit(guides: &Guides, light: &Planes) -> [Planes; SCALES] {
+    let mut fitted = [(); SCALES].map(|()| Planes::new(light.size(), light.count));
+    let [a, b, c, d] = fitted.each_mut().map(|planes| planes.par_bands_mut(BATCH));
+    a.zip(b).zip(c).zip(d).enumerate().for_each(|(batch, (((a, b), c), d))| {
+        let rows = batch * BATCH..light.height.min((batch + 1) * BATCH);
+        dispatch(FitRows { guides, light, rows, fitted: [a, b, c, d] });
+    });
+    fitted
+}
+
+/// Fits the light of a batch of rows.
+struct FitRows<'a> {
+    guides: &'a Guides,
+    light: &'a Planes,
+    rows: Range<usize>,
+    /// Per scale: all planes of the rows.
+    fitted: [&'a mut [f32]; SCALES],
+}
+
+impl SimdKernel for FitRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { guides, light, rows, mut fitted } = self;
+        let bounds = bounds(light, rows.clone());
+        let (columns, channels) = (Columns::new(light.width), light.count);
+        let mut summed = LightRows::new(columns, channels);
+        let mut scales: Vec<Scale> =
+            (0..SCALES).map(|scale| Scale::new(columns, 2 << scale, channels)).collect();
+        // The windows of the largest cells reach as far.
+        let first = rows.start.saturating_sub(COLUMN) / 2;
+        let last = (rows.end.next_multiple_of(COLUMN) + COLUMN) / 2;
+        for row in first..last {
+            summed.take(light, 2 * row);
+            sum_pixels::<L::F64>(guides, &summed, row, scales[0].next_row());
+            // Every second row of cells completes one of the next size.
+            for (scale, fitted) in
+                fitted.iter_mut().enumerate().take_while(|(scale, _)| (row + 1) % (1 << scale) == 0)
+            {
+                if let [.., smaller, own] = &mut scales[..=scale] {
+                    sum_cells::<L::F64>([&smaller.above, &smaller.below], own.next_row());
+                }
+                scales[scale].fit::<L::F64>(guides, &bounds, row >> scale, &rows, fitted);
+            }
+        }
+    }
+}
