@@ -1,5 +1,6 @@
 //! Chooses among the candidates for every pixel, by their measured errors around it.
 
+use super::audits::AuditRow;
 use super::calibration::{Calibration, LEAST, is_detail};
 use super::candidates::{CANDIDATES, CandidateRow};
 use super::planes::Planes;
@@ -19,7 +20,7 @@ pub struct MixRow<'a> {
     /// The mean errors around each pixel.
     pub around: &'a Planes,
     pub calibration: &'a Calibration,
-    pub audits: [[&'a [f32]; 3]; 2],
+    pub audits: AuditRow,
     pub y: usize,
     /// The mixed light.
     pub light: [&'a mut [f32]; 3],
@@ -44,9 +45,8 @@ impl SimdKernel for MixRow<'_> {
                 mixed.r.abs().lt(infinite) & mixed.g.abs().lt(infinite) & mixed.b.abs().lt(infinite);
             let mixed = Color::select(is_finite, mixed, samples);
             mixed.store(&mut self.light, x);
-            let audits = [Color::load(self.audits[0], x), Color::load(self.audits[1], x)];
             let noise = L::F32::load(self.around.row(0, self.y), x);
-            let change = Change::new([samples, mixed], audits, noise, self.candidates.unit(x));
+            let change = Change::new([samples, mixed], self.audits.at(x), noise, self.candidates.unit(x));
             change.store(self.changes, x);
         }
     }

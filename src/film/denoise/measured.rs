@@ -1,8 +1,10 @@
 //! What both halves and the audits show of the errors of the candidates at each pixel.
 
+use super::super::Film;
+use super::audits::AuditRow;
 use super::candidates::{CANDIDATES, CandidateRow, Candidates};
 use super::planes::Planes;
-use crate::base::lanes::{Color, Level, Mask, Row, Select, SimdKernel, Single, dispatch};
+use crate::base::lanes::{Level, Mask, Row, Select, SimdKernel, Single, dispatch};
 use rayon::prelude::*;
 
 /// Planes of a layer: squared errors, summed over the channels, relative to the light of their pixel.
@@ -24,10 +26,10 @@ impl Measured {
     pub const BYTES_PER_PIXEL: u64 = (ESTIMATES * size_of::<f32>()) as u64;
 
     /// The estimates for a layer. Beside the picture, they are zero.
-    pub fn new(candidates: &Candidates, layer: usize, audits: &[Planes; 2]) -> Self {
+    pub fn new(candidates: &Candidates, layer: usize, audits: [&Film; 2]) -> Self {
         let mut errors = Planes::new(candidates.size(), ESTIMATES);
         errors.par_lines_mut().enumerate().for_each(|(y, into)| {
-            let audits = audits.each_ref().map(|audit| audit.channels(0, y));
+            let audits = AuditRow::new(audits, layer, y);
             dispatch(MeasureRow { candidates: candidates.row(layer, y), audits, into });
         });
         Self(errors)
@@ -54,7 +56,7 @@ impl Measured {
 /// with more noise.
 struct MeasureRow<'a> {
     candidates: CandidateRow<'a>,
-    audits: [[&'a [f32]; 3]; 2],
+    audits: AuditRow,
     into: &'a mut [f32],
 }
 
@@ -68,7 +70,7 @@ impl SimdKernel for MeasureRow<'_> {
         let [zero, half, quarter] = [0.0, 0.5, 0.25].map(L::F32::splat);
         for x in (0..stride).step_by(L::F32::LANES) {
             let [a, b] = candidates.at::<L::F32>(0, x);
-            let audits = [Color::load(audits[0], x), Color::load(audits[1], x)];
+            let audits = audits.at::<L::F32>(x);
             let (samples, unit) = ((a - b).length_squared(), candidates.unit::<L::F32>(x));
             let mut all = [zero; ESTIMATES];
             for candidate in 0..CANDIDATES {

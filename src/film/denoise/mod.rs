@@ -13,6 +13,7 @@
 //!
 //! Every layer of light is filtered on its own, so the picture stays a weighted sum of layers.
 
+mod audits;
 mod calibration;
 mod candidates;
 mod choice;
@@ -36,6 +37,7 @@ use super::aov::GUIDES;
 use super::{AovSet, Film};
 use crate::base::color::Rgb;
 use crate::base::lanes::dispatch;
+use audits::AuditRow;
 use calibration::Calibration;
 use candidates::Candidates;
 use choice::MixRow;
@@ -68,10 +70,10 @@ pub fn samples_of_audit(picture: u32) -> u32 {
     (picture / 8).max(2)
 }
 
-/// Bytes per pixel of a layer while it is filtered: its audits, what is measured of its candidates, at the pixel and
-/// around it, and changes.
+/// Bytes per pixel of a layer while it is filtered: what is measured of its candidates, at the pixel and around it, and
+/// changes.
 const BYTES_OF_LAYER: u64 =
-    Measured::BYTES_PER_PIXEL + ((6 + candidates::CANDIDATES + trust::NUMBERS) * size_of::<f32>()) as u64;
+    Measured::BYTES_PER_PIXEL + ((candidates::CANDIDATES + trust::NUMBERS) * size_of::<f32>()) as u64;
 
 /// Bytes per pixel that denoising takes besides the film, if it has so many layers of light.
 pub fn bytes_of_pixel(layers: u64) -> u64 {
@@ -125,15 +127,14 @@ fn filter(films: &SampleFilms) -> Planes {
 
 /// Filters a layer of light.
 fn filter_layer(candidates: &Candidates, layer: usize, audits: [&Film; 2], filtered: &mut Planes) {
-    let audits = audits.map(|film| Planes::of_film(film, layer..layer + 1));
-    let measured = Measured::new(candidates, layer, &audits);
+    let measured = Measured::new(candidates, layer, audits);
     let around = surroundings(&measured);
     let calibration = Calibration::new(candidates, layer, &measured, &around);
     let (stride, mut changes) = (filtered.stride, Planes::new(filtered.size(), trust::NUMBERS));
     let of_layer = 3 * layer * stride;
     filtered.par_lines_mut().zip(changes.par_lines_mut()).enumerate().for_each(|(y, (line, changes))| {
         let candidates = candidates.row(layer, y);
-        let audits = audits.each_ref().map(|audit| audit.channels(0, y));
+        let audits = AuditRow::new(audits, layer, y);
         let light = channels_mut(&mut line[of_layer..][..3 * stride], stride);
         let (around, calibration) = (&around, &calibration);
         dispatch(MixRow { candidates, around, calibration, audits, y, light, changes });

@@ -56,16 +56,17 @@ fn brightest_around(numbers: &Planes, plane: usize, y: usize) -> Vec<f32> {
     others
 }
 
-/// The least and the greatest light around each pixel of some rows, itself included, in every layer and channel. A fit
-/// beyond them extrapolates: next to a lamp, it may be negative.
-pub fn bounds(light: &Planes, rows: Range<usize>) -> [Planes; 2] {
-    [around(light, rows.clone(), lower), around(light, rows, raise)]
+/// Writes the least and the greatest light around each pixel of some rows, itself included, in every layer and channel,
+/// to the first rows of planes. A fit beyond them extrapolates: next to a lamp, it may be negative.
+pub fn bounds(light: &Planes, rows: Range<usize>, into: &mut [Planes; 2]) {
+    let [least, most] = into;
+    around(light, rows.clone(), lower, least);
+    around(light, rows, raise, most);
 }
 
 /// Joins the numbers around each pixel of some rows, itself included, in every plane.
-fn around(light: &Planes, rows: Range<usize>, join: Join) -> Planes {
-    let mut joined = Planes::new((light.width, rows.len()), light.count);
-    joined.lines_mut().zip(rows).for_each(|(line, y)| {
+fn around(light: &Planes, rows: Range<usize>, join: Join, into: &mut Planes) {
+    into.lines_mut().zip(rows).for_each(|(line, y)| {
         for (plane, into) in line.chunks_exact_mut(light.stride).enumerate() {
             let into = &mut into[..light.width];
             into.copy_from_slice(&light.row(plane, y)[..light.width]);
@@ -74,7 +75,6 @@ fn around(light: &Planes, rows: Range<usize>, join: Join) -> Planes {
             join_beside(into, &columns, join);
         }
     });
-    joined
 }
 
 /// Joins what is known of the columns beside each pixel of a row.
@@ -143,7 +143,9 @@ mod tests {
             let near: Vec<Rgb> = near(light, layer, [x, y]).map(|(_, light)| light).collect();
             let least = near.iter().fold(Rgb::INFINITY, |all, one| all.min(*one));
             let most = near.iter().fold(Rgb::NEG_INFINITY, |all, one| all.max(*one));
-            assert_eq!(bounds(light, y..y + 1).map(|bound| bound.light(layer, [x, 0])), [least, most]);
+            let mut found = [(); 2].map(|()| Planes::new((light.width, 1), light.count));
+            bounds(light, y..y + 1, &mut found);
+            assert_eq!(found.map(|bound| bound.light(layer, [x, 0])), [least, most]);
         });
     }
 

@@ -85,7 +85,13 @@ pub fn read_line(film: &Film, layers: Range<usize>, y: usize, line: &mut [f32]) 
     }
 }
 
-/// The channels of a layer in a line.
+/// The channels of a line of one layer.
+pub fn channels(light: &[f32]) -> [&[f32]; 3] {
+    let stride = light.len() / 3;
+    [0, 1, 2].map(|channel| &light[channel * stride..][..stride])
+}
+
+/// The channels of a layer in a line, for writing.
 pub fn channels_mut(light: &mut [f32], stride: usize) -> [&mut [f32]; 3] {
     let (red, rest) = light.split_at_mut(stride);
     let (green, blue) = rest.split_at_mut(stride);

@@ -40,11 +40,42 @@ const BATCH: usize = 4 * COLUMN;
 pub fn fit(guides: &Guides, light: &Planes) -> [Planes; SCALES] {
     let mut fitted = [(); SCALES].map(|()| Planes::new(light.size(), light.count));
     let [a, b, c, d] = fitted.each_mut().map(|planes| planes.par_bands_mut(BATCH));
-    a.zip(b).zip(c).zip(d).enumerate().for_each(|(batch, (((a, b), c), d))| {
-        let rows = batch * BATCH..light.height.min((batch + 1) * BATCH);
-        dispatch(FitRows { guides, light, rows, fitted: [a, b, c, d] });
-    });
+    let batches = a.zip(b).zip(c).zip(d).enumerate();
+    batches.for_each_init(
+        || Workspace::new(light),
+        |workspace, (batch, (((a, b), c), d))| {
+            let rows = batch * BATCH..light.height.min((batch + 1) * BATCH);
+            workspace.start(light, rows.clone());
+            dispatch(FitRows { guides, light, rows, workspace, fitted: [a, b, c, d] });
+        },
+    );
     fitted
+}
+
+/// What a batch works with. The next one uses it again: new memory takes the system more time than zeros do.
+struct Workspace {
+    /// The bounds of fits in the rows of the batch.
+    bounds: [Planes; 2],
+    light: LightRows,
+    scales: Vec<Scale>,
+}
+
+impl Workspace {
+    fn new(light: &Planes) -> Self {
+        let (columns, channels) = (Columns::new(light.width), light.count);
+        let rows = light.height.min(BATCH);
+        Self {
+            bounds: [(); 2].map(|()| Planes::new((light.width, rows), channels)),
+            light: LightRows::new(columns, channels),
+            scales: (0..SCALES).map(|scale| Scale::new(columns, 2 << scale, channels)).collect(),
+        }
+    }
+
+    /// Prepares a batch.
+    fn start(&mut self, light: &Planes, rows: Range<usize>) {
+        bounds(light, rows, &mut self.bounds);
+        self.scales.iter_mut().for_each(Scale::clear);
+    }
 }
 
 /// Fits the light of a batch of rows.
@@ -52,6 +83,7 @@ struct FitRows<'a> {
     guides: &'a Guides,
     light: &'a Planes,
     rows: Range<usize>,
+    workspace: &'a mut Workspace,
     /// Per scale: all planes of the rows.
     fitted: [&'a mut [f32]; SCALES],
 }
@@ -61,26 +93,21 @@ impl SimdKernel for FitRows<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { guides, light, rows, mut fitted } = self;
-        let bounds = bounds(light, rows.clone());
-        let (columns, channels) = (Columns::new(light.width), light.count);
-        let mut summed = LightRows::new(columns, channels);
-        let mut scales: Vec<Scale> =
-            (0..SCALES).map(|scale| Scale::new(columns, 2 << scale, channels)).collect();
+        let Self { guides, light, rows, workspace, mut fitted } = self;
+        let Workspace { bounds, light: summed, scales } = workspace;
         // The windows of the largest cells reach as far.
         let first = rows.start.saturating_sub(COLUMN) / 2;
         let last = (rows.end.next_multiple_of(COLUMN) + COLUMN) / 2;
         for row in first..last {
             summed.take(light, 2 * row);
-            sum_pixels::<L::F64>(guides, &summed, row, scales[0].next_row());
+            sum_pixels::<L::F64>(guides, summed, row, scales[0].next_row());
             // Every second row of cells completes one of the next size.
-            for (scale, fitted) in
-                fitted.iter_mut().enumerate().take_while(|(scale, _)| (row + 1) % (1 << scale) == 0)
-            {
+            let complete = 1 + (row + 1).trailing_zeros() as usize;
+            for (scale, fitted) in fitted.iter_mut().enumerate().take(complete) {
                 if let [.., smaller, own] = &mut scales[..=scale] {
                     sum_cells::<L::F64>([&smaller.above, &smaller.below], own.next_row());
                 }
-                scales[scale].fit::<L::F64>(guides, &bounds, row >> scale, &rows, fitted);
+                scales[scale].fit::<L::F64>(guides, bounds, row >> scale, &rows, fitted);
             }
         }
     }

@@ -76,6 +76,12 @@ impl Scale {
         }
     }
 
+    /// Empties the cells: there are none above the first row.
+    pub fn clear(&mut self) {
+        self.above.numbers.fill(0.0);
+        self.below.numbers.fill(0.0);
+    }
+
     /// Makes the row of cells below that above, and returns the one below, whose sums are to be overwritten.
     pub fn next_row(&mut self) -> &mut Strip {
         swap(&mut self.above, &mut self.below);

@@ -56,7 +56,9 @@ fn fits_are_least_squares_in_each_window() {
         let film = noise(size);
         let (width, height) = (size.0 as usize, size.1 as usize);
         let (guides, light) = (Guides::new(&film), Planes::of_film(&film, 0..2));
-        let [least, most] = bounds(&light, 0..height);
+        let mut range = [(); 2].map(|()| Planes::new((width, height), light.count));
+        bounds(&light, 0..height, &mut range);
+        let [least, most] = range;
         let at = |x: usize, y: usize| -> Vec<f64> {
             let features = guides.features::<f64>(y, x % COLUMN, x / COLUMN);
             features[1..].to_vec()
