@@ -6,6 +6,7 @@ use super::instancing::{GltfInstance, INSTANCING, instances};
 use super::json::Item;
 use super::light::LIGHTS;
 use crate::base::math::{DMat3, DQuat, DVec3, NotRigid, rotation_and_scale, unit_quaternion};
+use std::collections::HashSet;
 
 /// A node of the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +56,7 @@ pub fn nodes(root: &Item<'_>, buffers: &Buffers<'_>) -> GltfResult<Vec<GltfNode>
     }
     // Also a node that is its own ancestor has a parent. So a walk from the roots ends, and meets every node once.
     let mut walk: Vec<(usize, Option<usize>)> =
-        roots(root, &parents)?.into_iter().map(|node| (node, None)).collect();
+        roots(root, &children, &parents)?.into_iter().map(|node| (node, None)).collect();
     let mut nodes: Vec<GltfNode> = Vec::new();
     let (mut at, mut count) = (0, 0);
     while let Some(&(index, parent)) = walk.get(at) {
@@ -71,24 +72,31 @@ pub fn nodes(root: &Item<'_>, buffers: &Buffers<'_>) -> GltfResult<Vec<GltfNode>
     Ok(nodes)
 }
 
-/// The nodes of the scene that have no parents.
-fn roots(root: &Item<'_>, parents: &[Option<usize>]) -> GltfResult<Vec<usize>> {
+/// The nodes of the scene that have no parents. Some exporters list nodes besides below others of the list; those are not
+/// listed here.
+fn roots(root: &Item<'_>, children: &[Vec<usize>], parents: &[Option<usize>]) -> GltfResult<Vec<usize>> {
     let scenes = ("scenes", root.len_of("scenes"));
     let Some(scene) = root.index("scene", scenes)?.or((scenes.1 > 0).then_some(0)) else {
         return Ok((0..parents.len()).filter(|node| parents[*node].is_none()).collect());
     };
     let scene = root.entry("scenes", scene)?;
-    let mut roots = scene.indices("nodes", ("nodes", parents.len()))?;
-    if let Some(child) = roots.iter().find(|node| parents[**node].is_some()) {
-        return Err(scene.error(format!("its nodes[{child}] has a parent, so it is no root")));
-    }
-    let count = roots.len();
-    roots.sort_unstable();
-    roots.dedup();
-    if roots.len() < count {
+    let listed = scene.indices("nodes", ("nodes", parents.len()))?;
+    let unique: HashSet<usize> = listed.iter().copied().collect();
+    if unique.len() < listed.len() {
         return Err(scene.error("it names a node twice"));
     }
-    scene.indices("nodes", ("nodes", parents.len()))
+    let roots: Vec<usize> = listed.iter().copied().filter(|node| parents[*node].is_none()).collect();
+    if roots.len() < listed.len() {
+        let (mut below, mut walk) = (HashSet::new(), roots.clone());
+        while let Some(node) = walk.pop() {
+            below.insert(node);
+            walk.extend(&children[node]);
+        }
+        if let Some(child) = listed.iter().find(|node| !below.contains(node)) {
+            return Err(scene.error(format!("its nodes[{child}] has a parent, so it is no root")));
+        }
+    }
+    Ok(roots)
 }
 
 fn node(

@@ -251,6 +251,10 @@ fn circles_of_nodes_end() {
     assert_eq!(scene.nodes.len(), 1);
     let scenes = json!({ "nodes": circle, "scenes": [{ "nodes": [0] }] });
     assert_eq!(fault(Fixture::with(scenes)), "scenes[0]: its nodes[0] has a parent, so it is no root");
+    let below = json!([{ "children": [1] }, { "children": [2] }, { "name": "leaf" }]);
+    let twice = good(Fixture::with(json!({ "nodes": below, "scenes": [{ "nodes": [2, 0, 1] }] })));
+    let parents: Vec<_> = twice.nodes.iter().map(|node| (node.index, node.parent)).collect();
+    assert_eq!(parents, [(0, None), (1, Some(0)), (2, Some(1))], "listed nodes are shown once");
     let own = json!({ "nodes": [{ "children": [0] }], "scenes": [{ "nodes": [0] }] });
     assert!(fault(Fixture::with(own)).contains("has a parent"));
 }

@@ -20,18 +20,20 @@ fn solve(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
     for pivot in 0..COUNT {
         for row in (0..COUNT).filter(|row| *row != pivot) {
             let factor = matrix[row][pivot] / matrix[pivot][pivot];
-            for column in 0..COUNT {
-                matrix[row][column] -= factor * matrix[pivot][column];
-            }
+            let eliminated = matrix[pivot].clone();
+            matrix[row].iter_mut().zip(eliminated).for_each(|(own, other)| *own -= factor * other);
             right[row] -= factor * right[pivot];
         }
     }
     (0..COUNT).map(|row| right[row] / matrix[row][row]).collect()
 }
 
+/// A pixel's guides, and its light.
+type Pixel = (Vec<f64>, f64);
+
 /// The fit of a window to the guides and light of its pixels, at other guides.
-fn fit_directly(pixels: &[(Vec<f64>, f64)], cell: usize, at: &[f64]) -> f64 {
-    let mean = |value: &dyn Fn(&(Vec<f64>, f64)) -> f64| -> f64 {
+fn fit_directly(pixels: &[Pixel], cell: usize, at: &[f64]) -> f64 {
+    let mean = |value: &dyn Fn(&Pixel) -> f64| -> f64 {
         pixels.iter().map(value).sum::<f64>() / pixels.len() as f64
     };
     let guides: Vec<f64> = (0..COUNT).map(|guide| mean(&|(guides, _)| guides[guide])).collect();
@@ -76,7 +78,7 @@ fn fits_are_least_squares_in_each_window() {
                     };
                     let pixels = reach(row, height).flat_map(|y| reach(column, width).map(move |x| (x, y)));
                     let pixel = |(x, y)| (at(x, y), f64::from(light.row(plane, y)[x]));
-                    let pixels: Vec<(Vec<f64>, f64)> = pixels.map(pixel).collect();
+                    let pixels: Vec<Pixel> = pixels.map(pixel).collect();
                     fit_directly(&pixels, cell, &at(x, y))
                 };
                 let [across, down] = [x, y].map(|place| ((place % cell) as f64 + 0.5) / cell as f64);
