@@ -31,31 +31,41 @@ impl TableColumns {
         &self.arrays
     }
 
+    /// The columns of these names alone.
+    pub fn only(&self, names: &[&str]) -> Self {
+        let is_read = |array: &&DataArray| names.contains(&array.name.as_str());
+        Self { arrays: self.arrays.iter().filter(is_read).cloned().collect(), unusable: Vec::new() }
+    }
+
     /// Why a column cannot be read, if it has another content than numbers.
     pub fn unusable(&self, name: &str) -> Option<&str> {
         self.unusable.iter().find(|(known, _)| known == name).map(|(_, why)| why.as_str())
     }
 
-    /// The column with these numbers.
-    pub fn find(&self, key: &ArrayKey) -> Option<&DataArray> {
+    /// The index of the column with these numbers.
+    fn position(&self, key: &ArrayKey) -> Option<usize> {
         let index = key.index(self.arrays.iter().map(|column| (column.name.as_str(), column.centering)))?;
-        Some(&self.arrays[index]).filter(|column| column.has(key.component))
+        self.arrays[index].has(key.component).then_some(index)
     }
 
-    /// A number between two rows: that of the first one at a share of 0, of the second one at 1. The second row is not
-    /// read at a share of 0.
-    pub fn number(&self, key: &ArrayKey, rows: [u32; 2], share: f64) -> Option<f64> {
-        let column = self.find(key)?;
-        let of_row = |row: u32| column.value(row as usize, key.component);
-        let a = of_row(rows[0]);
-        if share == 0.0 {
-            return Some(a);
-        }
-        let b = of_row(rows[1]);
-        let value = a + (b - a) * share;
-        // Rounding may lead beyond the ends. `max` and `min` would hide an end that is not a number.
-        Some(if value.is_nan() { value } else { value.max(a.min(b)).min(a.max(b)) })
+    /// The column with these numbers.
+    pub fn find(&self, key: &ArrayKey) -> Option<&DataArray> {
+        self.position(key).map(|index| &self.arrays[index])
     }
+}
+
+/// A number between two rows of a column: that of the first one at a share of 0, of the second one at 1. The second row is
+/// not read at a share of 0.
+pub fn between(column: &DataArray, rows: [u32; 2], share: f64) -> f64 {
+    let [a, b] = rows.map(|row| row as usize);
+    let a = column.values.get(a);
+    if share == 0.0 {
+        return a;
+    }
+    let b = column.values.get(b);
+    let value = a + (b - a) * share;
+    // Rounding may lead beyond the ends. `max` and `min` would hide an end that is not a number.
+    if value.is_nan() { value } else { value.max(a.min(b)).min(a.max(b)) }
 }
 
 /// The rows that an object has over time: a single one, or those of ascending times.
@@ -63,9 +73,9 @@ impl TableColumns {
 pub struct RowTrack {
     columns: Arc<TableColumns>,
     /// The index of each row.
-    rows: Vec<u32>,
+    rows: Arc<[u32]>,
     /// The time of each row; empty for a single one.
-    times: Vec<Time>,
+    times: Arc<[Time]>,
 }
 
 /// Compared by the address of the table, as meshes are.
@@ -78,68 +88,77 @@ impl PartialEq for RowTrack {
 impl RowTrack {
     /// A row that is the same at all times.
     pub fn still(columns: Arc<TableColumns>, row: u32) -> Self {
-        Self { columns, rows: vec![row], times: Vec::new() }
+        Self { columns, rows: [row].into(), times: [].into() }
     }
 
     /// At least one row, each with its time, ascending. They hold before the first time and after the last one.
     pub fn new(columns: Arc<TableColumns>, rows: Vec<u32>, times: Vec<Time>) -> Self {
         debug_assert!(!rows.is_empty() && rows.len() == times.len(), "every row has a time");
-        Self { columns, rows, times }
+        Self { columns, rows: rows.into(), times: times.into() }
     }
 
     /// The columns of the table.
-    pub fn columns(&self) -> &TableColumns {
+    pub fn columns(&self) -> &Arc<TableColumns> {
         &self.columns
     }
 
-    /// Whether the row changes over time.
+    /// The same rows of fewer columns of the table.
+    pub fn with_columns(&self, columns: Arc<TableColumns>) -> Self {
+        Self { columns, ..self.clone() }
+    }
+
+    /// Whether the numbers change over time.
     pub fn is_keyed(&self) -> bool {
-        self.times.len() > 1
+        let first = self.rows[0] as usize;
+        let changes = |column: &DataArray| {
+            let first = column.values.get(first).to_bits();
+            self.rows.iter().any(|row| column.values.get(*row as usize).to_bits() != first)
+        };
+        self.times.len() > 1 && self.columns.arrays.iter().any(changes)
     }
 
     /// The row at a time, interpolated linearly.
     pub fn at(&self, time: Time) -> TableRow {
         let after = self.times.partition_point(|known| *known <= time);
         let low = after.saturating_sub(1);
-        let a = self.rows[low];
-        let (b, share) = match (self.times.get(low), self.times.get(after)) {
+        let (rows, share) = match (self.times.get(low), self.times.get(after)) {
             (Some(&from), Some(&to)) if from < time && after > 0 => {
-                (self.rows[after], Fraction::between(time, from, to).value())
+                ([self.rows[low], self.rows[after]], Fraction::between(time, from, to).value())
             }
-            _ => (a, 0.0),
+            _ => ([self.rows[low]; 2], 0.0),
         };
-        TableRow { columns: Arc::clone(&self.columns), rows: [a, b], share }
+        let numbers = self.columns.arrays.iter().map(|column| between(column, rows, share)).collect();
+        TableRow { columns: Arc::clone(&self.columns), numbers }
     }
 }
 
-/// The numbers that an object has at one moment: those between two rows of a table.
+/// The numbers that an object has at one moment: one of each column.
 #[derive(Clone, Component, Debug)]
 pub struct TableRow {
     columns: Arc<TableColumns>,
-    rows: [u32; 2],
-    share: f64,
+    numbers: Arc<[f64]>,
 }
 
-/// Equal places in one table.
+/// Equal numbers of one table.
 impl PartialEq for TableRow {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.columns, &other.columns) && (self.rows, self.share) == (other.rows, other.share)
+        let bits = |row: &Self| row.numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+        Arc::ptr_eq(&self.columns, &other.columns) && bits(self) == bits(other)
     }
 }
 
 impl TableRow {
     /// One of the numbers; none if there is no such column.
     pub fn number(&self, key: &ArrayKey) -> Option<f64> {
-        self.columns.number(key, self.rows, self.share)
+        self.columns.position(key).map(|index| self.numbers[index])
     }
 }
 
 /// The names and the numbers, wherever in a table they are.
 impl Content for TableRow {
     fn feed(&self, into: &mut Digester) {
-        for DataArray { name, .. } in self.columns.arrays() {
-            let key = ArrayKey::whole(name.clone());
-            (name.as_str(), self.number(&key)).feed(into);
+        for (DataArray { name, .. }, number) in self.columns.arrays.iter().zip(&*self.numbers) {
+            (name.as_str(), *number).feed(into);
         }
     }
 }
@@ -150,7 +169,9 @@ mod tests {
     use crate::base::digest::Digest;
 
     fn columns(heat: &[f64]) -> Arc<TableColumns> {
-        Arc::new(TableColumns::new(vec![("heat".to_owned(), heat.to_vec())], Vec::new()))
+        let time = (0..heat.len()).map(|row| row as f64).collect();
+        let columns = vec![("t".to_owned(), time), ("heat".to_owned(), heat.to_vec())];
+        Arc::new(TableColumns::new(columns, Vec::new()))
     }
 
     #[test]
@@ -165,9 +186,24 @@ mod tests {
     }
 
     #[test]
+    fn only_the_columns_that_are_read_count() {
+        let times = || [0, 1].map(Time::from_integer).to_vec();
+        let all = columns(&[5.0, 5.0]);
+        let track = RowTrack::new(Arc::clone(&all), vec![0, 1], times());
+        assert!(track.is_keyed(), "the column of times changes");
+        let read = track.with_columns(Arc::new(all.only(&["heat"])));
+        assert!(!read.is_keyed());
+        let [first, last] = [0, 1].map(|time| read.at(Time::from_integer(time)));
+        assert_eq!(first, last);
+        assert_eq!(first.number(&ArrayKey::whole("t".to_owned())), None);
+    }
+
+    #[test]
     fn digests_are_those_of_the_numbers() {
-        let digest =
-            |heat: &[f64], row| Digest::of(&RowTrack::still(columns(heat), row).at(Time::from_integer(0)));
+        let digest = |heat: &[f64], row| {
+            let track = RowTrack::still(Arc::new(columns(heat).only(&["heat"])), row);
+            Digest::of(&track.at(Time::from_integer(0)))
+        };
         assert_eq!(digest(&[1.0, 2.0], 1), digest(&[2.0], 0));
         assert_ne!(digest(&[1.0, 2.0], 1), digest(&[1.0, 2.0], 0));
     }

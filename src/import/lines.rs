@@ -11,6 +11,9 @@ pub struct Lines<R> {
     block: Vec<u8>,
     /// Where the next line begins in the block.
     start: usize,
+    /// Whether the first line ended with a carriage return alone. Then a line feed behind another one belongs to what
+    /// follows, which may be binary.
+    returns_alone: Option<bool>,
     line: Vec<u8>,
     number: u64,
     /// Whether a line that ends with a backslash continues on the next line.
@@ -19,7 +22,7 @@ pub struct Lines<R> {
 
 impl<R: BufRead> Lines<R> {
     pub fn new(input: R, joins: bool) -> Self {
-        Self { input, block: Vec::new(), start: 0, line: Vec::new(), number: 0, joins }
+        Self { input, block: Vec::new(), start: 0, returns_alone: None, line: Vec::new(), number: 0, joins }
     }
 
     /// The number of the next line, and the line without trailing blanks.
@@ -53,8 +56,9 @@ impl<R: BufRead> Lines<R> {
         let rest = &self.block[self.start..];
         // Nearly no file has carriage returns, and `contains` is faster than `position`.
         let returned = rest.contains(&b'\r').then(|| rest.iter().position(|byte| *byte == b'\r')).flatten();
-        let ends = |at: usize| at + 1 + usize::from(rest.get(at + 1) == Some(&b'\n'));
-        let length = returned.map_or(rest.len(), ends);
+        let feeds = |at: usize| rest.get(at + 1) == Some(&b'\n');
+        let alone = *self.returns_alone.get_or_insert(returned.is_some_and(|at| !feeds(at)));
+        let length = returned.map_or(rest.len(), |at| at + 1 + usize::from(!alone && feeds(at)));
         self.line.extend_from_slice(&rest[..length]);
         self.start += length;
         Ok(true)
@@ -141,14 +145,14 @@ mod tests {
     #[test]
     fn the_rest_follows_the_last_line() {
         for end in ["\n", "\r\n", "\r"] {
-            let text = format!("a{end}b{end}\x01\r\n\x02");
+            let text = format!("a{end}b{end}\n\x01\r\n\x02");
             let mut lines = Lines::new(text.as_bytes(), false);
             for line in [b"a", b"b"] {
                 assert_eq!(lines.next().expect("a line").map(|(_, line)| line), Some(&line[..]));
             }
             let mut rest = Vec::new();
             lines.into_rest().read_to_end(&mut rest).expect("bytes");
-            assert_eq!(rest, b"\x01\r\n\x02", "{end:?}");
+            assert_eq!(rest, b"\n\x01\r\n\x02", "{end:?}");
         }
     }
 

@@ -8,6 +8,7 @@ use quick_xml::events::{BytesStart, Event};
 pub struct ListElement<'b> {
     bytes: &'b [u8],
     at: usize,
+    line: u64,
     element: BytesStart<'b>,
 }
 
@@ -22,13 +23,15 @@ pub fn each<'b>(
     mut visit: impl FnMut(&ListElement<'b>) -> Result<(), MeshError>,
 ) -> Result<(), MeshError> {
     let mut reader = Reader::from_reader(bytes);
-    let mut root = false;
+    let (mut root, mut line, mut counted) = (false, 1, 0);
     loop {
         let at = reader.buffer_position() as usize;
+        line += feeds(&bytes[counted..at]);
+        counted = at;
         let event = reader.read_event();
         let event = event.map_err(|error| fault(bytes, reader.error_position() as usize, not_xml(error)))?;
         let element = match event {
-            Event::Start(element) | Event::Empty(element) => ListElement { bytes, at, element },
+            Event::Start(element) | Event::Empty(element) => ListElement { bytes, at, line, element },
             Event::Eof => return Ok(()),
             _ => continue,
         };
@@ -68,7 +71,7 @@ impl ListElement<'_> {
 
     /// The line of the element, from 1.
     pub fn line(&self) -> u64 {
-        line(self.bytes, self.at)
+        self.line
     }
 
     pub fn fault(&self, why: String) -> MeshError {
@@ -80,12 +83,13 @@ fn not_xml(error: impl std::fmt::Display) -> String {
     format!("it is no valid XML: {error}")
 }
 
-fn line(bytes: &[u8], at: usize) -> u64 {
-    1 + bytes[..at.min(bytes.len())].iter().filter(|byte| **byte == b'\n').count() as u64
+/// The number of line feeds.
+fn feeds(bytes: &[u8]) -> u64 {
+    bytes.iter().filter(|byte| **byte == b'\n').count() as u64
 }
 
 fn fault(bytes: &[u8], at: usize, why: String) -> MeshError {
     // Elements follow the blanks of their line.
     let blanks = bytes[at.min(bytes.len())..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-    MeshError::at(MeshLocation::Line(line(bytes, at + blanks)), why)
+    MeshError::at(MeshLocation::Line(1 + feeds(&bytes[..(at + blanks).min(bytes.len())])), why)
 }

@@ -29,9 +29,12 @@ pub fn needed(sequence: &Sequence, aovs: AovSet) -> u64 {
     let pixel = layers.saturating_mul(size_of::<Rgb>() as u64 * films + sums).saturating_add(BESIDES);
     // Sampling towards an error target keeps more data per pixel.
     let rounds = if sequence.quality.noise.is_some() { bytes_of_pixel(layers) } else { 0 };
-    let sets = if sequence.quality.denoise != Denoise::Off { denoise::bytes_of_pixel(layers) } else { 0 };
-    let pixel = pixel.saturating_add(rounds).saturating_add(sets);
-    (u64::from(width) * u64::from(height)).saturating_mul(pixel)
+    let filter = match sequence.quality.denoise {
+        Denoise::Off => 0,
+        Denoise::Auto => denoise::bytes((width, height), layers),
+    };
+    let pixel = pixel.saturating_add(rounds);
+    (u64::from(width) * u64::from(height)).saturating_mul(pixel).saturating_add(filter)
 }
 
 /// Bytes per pixel of a filmstrip: the sheet, the pixels passed to the encoder, and the encoded file, which may be as

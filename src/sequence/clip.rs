@@ -68,9 +68,9 @@ fn plane_fields(node: Node<'_>) -> Option<ClipPlane> {
     Some(ClipPlane { point: point?, normal: normal? })
 }
 
-/// Gives objects the material of their cut faces: their own, or that of the nearest object above that has one. Planes may
-/// be those of objects above. The drafts are those of the first objects; what scenes and instances add is below these, or
-/// a copy.
+/// Gives objects the material of their cut faces: their own, or that of the nearest object above that has one. Planes
+/// may be those of objects above. The drafts are those of the first objects; what scenes and instances add is below
+/// these, or a copy.
 pub fn bind_caps(
     file: &File<'_>,
     table: &mut MaterialTable<'_>,

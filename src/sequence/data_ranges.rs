@@ -1,10 +1,12 @@
 //! Finds the data that textures name, and the ranges of data where a file leaves them to Kinora.
 
 use super::fault::Fault;
+use super::group_instances::CopiedObjects;
+use super::placement::all_above;
 use super::source_file::File;
 use super::suggest::{listed, nearest, shortened};
 use super::{Named, Object, ShapeTracks};
-use crate::appearance::material::MaterialTracks;
+use crate::appearance::material::{MaterialBinding, MaterialTracks};
 use crate::appearance::texture::{DataScale, DataSource, DataTexture};
 use crate::geometry::mesh::{ArrayKey, Centering, Component, DataArray};
 use crate::geometry::shape::{self, Shape};
@@ -21,14 +23,15 @@ use std::sync::Arc;
 type Ranges = HashMap<(DataSource, DataScale), (Option<[f64; 2]>, usize)>;
 
 /// Reports objects that lack the data of their materials, and sets the ranges that are `Auto`: one for all objects that
-/// show the same data on the same scale. Objects whose materials show no data lose their rows of tables. `places` holds the
-/// place of each object's material.
+/// show the same data on the same scale. Objects keep only those columns of tables that their materials show. `places`
+/// holds the place of each object's material.
 pub fn resolve(
     file: &File<'_>,
     materials: &mut [Named<MaterialTracks>],
     objects: &mut [Named<Object>],
-    places: &[Range<usize>],
+    (places, copied): (&[Range<usize>], &CopiedObjects),
 ) {
+    let is_copied = copied.are_copied();
     let mut data: Vec<Vec<DataTexture>> = Vec::new();
     for material in &mut *materials {
         let mut found = Vec::new();
@@ -50,20 +53,14 @@ pub fn resolve(
                     noted.insert(read);
                 }
                 // A group that only its instances show may lack what their rows have.
-                Err(fault) if !seen.contains(&&texture.source) && !is_hidden(objects, index) => {
-                    file.push(*fault)
-                }
+                Err(_) if is_copied.get(index) == Some(&true) && is_hidden(objects, index) => {}
+                Err(fault) if !seen.contains(&&texture.source) => file.push(*fault),
                 _ => {}
             }
             seen.push(&texture.source);
         }
     }
-    for Named { value: object, .. } in &mut *objects {
-        let shown = || object.made_of.indices().filter_map(|index| data.get(index as usize)).flatten();
-        if object.row.is_some() && !shown().any(|texture| matches!(texture.source, DataSource::Array(_))) {
-            object.row = None;
-        }
-    }
+    keep_read_columns(objects, &data);
     let found = |texture: &DataTexture| ranges.get(&(texture.source.clone(), texture.scale));
     let set = |texture: &mut DataTexture| {
         if let Some((range, _)) = found(texture).filter(|_| texture.auto) {
@@ -131,10 +128,28 @@ fn note(
     Ok(())
 }
 
+/// Leaves objects only those columns of their tables that their textures read, so that other numbers change nothing.
+fn keep_read_columns(objects: &mut [Named<Object>], data: &[Vec<DataTexture>]) {
+    // Instances share what is left of their table.
+    let mut kept: HashMap<(*const TableColumns, MaterialBinding), Arc<TableColumns>> = HashMap::new();
+    for Named { value: object, .. } in objects {
+        let Some(row) = object.row.take() else { continue };
+        let shown = object.made_of.indices().filter_map(|index| data.get(index as usize)).flatten();
+        let name = |texture: &'_ DataTexture| match &texture.source {
+            DataSource::Array(key) => Some(key.name.clone()),
+            DataSource::Coordinate(_) => None,
+        };
+        let columns = kept.entry((Arc::as_ptr(row.columns()), object.made_of)).or_insert_with(|| {
+            let names: Vec<String> = shown.filter_map(name).collect();
+            Arc::new(row.columns().only(&names.iter().map(String::as_str).collect::<Vec<_>>()))
+        });
+        object.row = (!columns.arrays().is_empty()).then(|| row.with_columns(Arc::clone(columns)));
+    }
+}
+
 /// Whether no frame shows an object.
 fn is_hidden(objects: &[Named<Object>], index: usize) -> bool {
-    let above = std::iter::successors(Some(index), |&at| objects[at].value.parent);
-    above.into_iter().any(|at| objects[at].value.visible == Animated::Constant(false))
+    !all_above(objects, index, &|at| objects[at].value.visible != Animated::Constant(false))
 }
 
 /// The addresses of an object's data: that of its shape, and that of its table.
@@ -145,7 +160,7 @@ fn data_of(object: &Object) -> [Option<*const ()>; 2] {
         (_, Shape::Mesh(shape::Mesh { mesh, .. })) => Some(Arc::as_ptr(mesh).cast()),
         _ => None,
     };
-    [of_shape, object.row.as_ref().map(|row| std::ptr::from_ref(row.columns()).cast())]
+    [of_shape, object.row.as_ref().map(|row| Arc::as_ptr(row.columns()).cast())]
 }
 
 /// What has data.
@@ -183,10 +198,9 @@ impl<'a> Owner<'a> {
 
 /// What may have the data of an object, in the order in which textures ask.
 fn owners(object: &Object) -> Vec<Owner<'_>> {
-    let of_shape = match (&object.shape, &object.tracks) {
-        (Shape::Mesh(shape::Mesh { mesh, .. }), _) => Some(Owner::Mesh(mesh.arrays())),
-        (_, Some(ShapeTracks::Particles(particles))) => Some(Owner::Table(particles.columns())),
-        _ => None,
+    let of_shape = match &object.tracks {
+        Some(ShapeTracks::Particles(particles)) => vec![Owner::Table(particles.columns())],
+        _ => object.shape.meshes().into_iter().map(|mesh| Owner::Mesh(mesh.mesh.arrays())).collect(),
     };
     of_shape.into_iter().chain(object.row.as_ref().map(|row| Owner::Table(row.columns()))).collect()
 }

@@ -14,6 +14,7 @@ use crate::base::time::Time;
 use crate::geometry::shape::Shape;
 use crate::geometry::transform::ExplodeOffset;
 use crate::track::Animated;
+use std::collections::HashSet;
 
 /// The exploded view of the parts of an object.
 #[derive(Clone)]
@@ -70,10 +71,18 @@ pub fn add_offsets(file: &File<'_>, objects: &mut [Named<Object>], drafts: Vec<O
     }
     let bounds = bounds_within_parents(objects);
     let explodes: Vec<bool> = drafts.iter().map(Option::is_some).collect();
+    let mut below = vec![Vec::new(); objects.len()];
+    for (index, object) in objects.iter().enumerate().filter(|(_, object)| object.value.skin_of.is_none()) {
+        if let Some(parent) = object.value.parent {
+            below[parent].push(index);
+        }
+    }
+    let mut noted = HashSet::new();
     for (object, draft) in drafts.into_iter().enumerate() {
         let Some(draft) = draft else { continue };
-        let parts = parts_of(objects, object, &explodes);
-        if parts.is_empty() {
+        let parts = parts_of(objects, object, &below, &explodes);
+        // Copies of a group have its field.
+        if parts.is_empty() && noted.insert(draft.place) {
             let name = shortened(&objects[object].name);
             file.warn(
                 draft.place,
@@ -105,13 +114,10 @@ impl ExplodeDraft {
 
 /// The objects right below an object. If that is only one, a group that does not explode itself, those below it: such as
 /// the root of a scene. Meshes that move with other objects are not parts: what carries them moves them.
-fn parts_of(objects: &[Named<Object>], object: usize, explodes: &[bool]) -> Vec<usize> {
+fn parts_of(objects: &[Named<Object>], object: usize, below: &[Vec<usize>], explodes: &[bool]) -> Vec<usize> {
     let mut above = object;
     for _ in 0..objects.len() {
-        let is_part = |part: &usize| {
-            objects[*part].value.parent == Some(above) && objects[*part].value.skin_of.is_none()
-        };
-        let parts: Vec<usize> = (0..objects.len()).filter(is_part).collect();
+        let parts = &below[above];
         match parts[..] {
             [only]
                 if objects[only].value.shape == Shape::Group
@@ -119,7 +125,7 @@ fn parts_of(objects: &[Named<Object>], object: usize, explodes: &[bool]) -> Vec<
             {
                 above = only;
             }
-            _ => return parts,
+            _ => return parts.clone(),
         }
     }
     Vec::new()

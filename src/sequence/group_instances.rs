@@ -8,13 +8,14 @@ use super::pose_tracks::Placement;
 use super::source_file::File;
 use super::suggest::shortened;
 use super::syntax::MAX_ENTRIES;
-use super::{Named, Object, ShapeTracks};
-use crate::appearance::material::MaterialBinding;
-use crate::geometry::ray_kinds::RayVisibility;
+use super::{Named, Object};
 use crate::geometry::shape::Shape;
 use crate::track::Animated;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
+
+/// Most groups within each other.
+const DEEPEST: usize = 16;
 
 /// What an object shows instead of a shape: another object, at these places.
 pub struct GroupDraft {
@@ -31,8 +32,8 @@ pub struct CopiedObjects {
     pub originals: Vec<usize>,
 }
 
-/// Adds the objects of all instances behind the others, each below the object that shows them. Groups that hold instances
-/// of each other, and more objects than a file may have, are faults.
+/// Adds the objects of all instances behind the others, each below the object that shows them. Groups that hold
+/// instances of themselves, and more objects than a file may have, are faults.
 pub fn add(
     file: &File<'_>,
     objects: &mut Vec<Named<Object>>,
@@ -52,7 +53,7 @@ pub fn add(
     let drafts = drafts.into_iter().map(|(index, draft)| (index, State::Waiting(draft))).collect();
     let mut copier = Copier { file, objects, below, originals, drafts };
     for index in order {
-        if copier.add(index).is_none() {
+        if copier.add(index, 0).is_none() {
             break;
         }
     }
@@ -60,7 +61,7 @@ pub fn add(
 }
 
 impl CopiedObjects {
-    /// For each object from index `first` on, the one of the file that it comes from: what it is like, or what shows it.
+    /// For each object from index `first` on, its original, or for the place of an instance the object that shows it.
     pub fn sources(&self, objects: &[Named<Object>], first: usize) -> Vec<usize> {
         let source = |index: usize| match objects[index].value.parent {
             Some(parent) if self.originals[index] == index => self.originals[parent],
@@ -80,14 +81,23 @@ impl CopiedObjects {
         all
     }
 
-    /// Gives copies the deformed meshes of what they are like.
-    pub fn share_deformations(&self, objects: &mut [Named<Object>]) {
+    /// For each object of the file, whether there are copies of it.
+    pub fn are_copied(&self) -> Vec<bool> {
+        let mut copied = vec![false; self.originals.len()];
+        for (copy, &original) in self.originals.iter().enumerate() {
+            copied[original] |= copy != original;
+        }
+        copied
+    }
+
+    /// Gives copies the meshes of what they are like, where these were deformed later.
+    pub fn share_deformations(&self, objects: &mut [Named<Object>], deformed: &HashSet<usize>) {
         for (copy, &original) in
             self.originals.iter().enumerate().filter(|(copy, original)| copy != *original)
         {
-            if let Some(tracks @ ShapeTracks::Deformed(_)) = objects[original].value.tracks.clone() {
-                objects[copy].value.shape = objects[original].value.shape.clone();
-                objects[copy].value.tracks = Some(tracks);
+            if deformed.contains(&original) {
+                let Object { shape, tracks, .. } = objects[original].value.clone();
+                (objects[copy].value.shape, objects[copy].value.tracks) = (shape, tracks);
             }
         }
     }
@@ -111,18 +121,18 @@ struct Copier<'a, 'f> {
 }
 
 impl Copier<'_, '_> {
-    /// Adds the instances of an object. None after a fault.
-    fn add(&mut self, index: usize) -> Option<()> {
-        let draft = match self.drafts.insert(index, State::Begun) {
-            Some(State::Waiting(draft)) => draft,
-            Some(State::Added) | None => {
-                self.drafts.insert(index, State::Added);
-                return Some(());
-            }
-            // Reported by the one that began.
-            Some(State::Begun) => return None,
+    /// Adds the instances of an object, which are in the groups of `depth` others. None after a fault.
+    fn add(&mut self, index: usize, depth: usize) -> Option<()> {
+        let Some(State::Waiting(draft)) = self.drafts.insert(index, State::Begun) else {
+            self.drafts.insert(index, State::Added);
+            return Some(());
         };
-        for inner in self.all_below(draft.of) {
+        if depth == DEEPEST {
+            let title = format!("groups hold instances of each other at most {DEEPEST} deep");
+            self.file.push(Fault::new(draft.place, title, "these are deeper"));
+            return None;
+        }
+        for inner in self.all_below(draft.of)? {
             if matches!(self.drafts.get(&inner), Some(State::Begun)) {
                 let name = shortened(&self.objects[draft.of].name);
                 let title = format!("`{name}` cannot be shown within itself");
@@ -131,10 +141,10 @@ impl Copier<'_, '_> {
                 return None;
             }
             if self.drafts.contains_key(&inner) {
-                self.add(inner)?;
+                self.add(inner, depth + 1)?;
             }
         }
-        let group = self.all_below(draft.of);
+        let group = self.all_below(draft.of)?;
         let more = draft.placements.len().saturating_mul(group.len() + 1);
         if more.saturating_add(self.objects.len()) > MAX_ENTRIES {
             let title = format!("a sequence has at most {MAX_ENTRIES} objects");
@@ -149,32 +159,26 @@ impl Copier<'_, '_> {
         Some(())
     }
 
-    /// An object and all below it, parents before children.
-    fn all_below(&self, object: usize) -> Vec<usize> {
+    /// An object and all below it, parents before children. None if an object is its own parent, which is reported
+    /// where parents are decoded.
+    fn all_below(&self, object: usize) -> Option<Vec<usize>> {
         let (mut all, mut next) = (vec![object], 0);
         while let Some(&above) = all.get(next) {
             all.extend(&self.below[above]);
             next += 1;
+            if all.len() > self.objects.len() {
+                return None;
+            }
         }
-        all
+        Some(all)
     }
 
     /// Adds one instance of a group below an object.
     fn add_one(&mut self, shown_by: usize, number: usize, placement: Placement, group: &[usize]) {
         let Placement { transform, visible, row } = placement;
         let name = format!("{}[{number}]", self.objects[shown_by].name);
-        let place = Object {
-            shape: Shape::Group,
-            tracks: None,
-            made_of: MaterialBinding::One(0),
-            transform,
-            visible,
-            rays: RayVisibility::default(),
-            parent: Some(shown_by),
-            skin_of: None,
-            clip: Vec::new(),
-            row: None,
-        };
+        let parent = Some(shown_by);
+        let place = Object { transform, visible, parent, ..Object::new(Shape::Group, 0) };
         let place = self.push(Named { name: name.clone(), value: place }, None);
         let copies: HashMap<usize, usize> =
             (self.objects.len()..).zip(group).map(|(copy, of)| (*of, copy)).collect();

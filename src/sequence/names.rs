@@ -8,7 +8,7 @@ use super::source_file::Form;
 use super::suggest::shortened;
 use super::values::text;
 use super::words::report_unknown;
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// A named entry of a map.
@@ -34,7 +34,7 @@ pub fn entries<'s>(node: Node<'s>, what: &str) -> Option<Vec<Entry<'s>>> {
             None => all.push(Entry { name: String::new(), key, value }),
         }
     }
-    let mut first: FxHashMap<&str, Node<'_>> = FxHashMap::default();
+    let mut first: HashMap<&str, Node<'_>> = HashMap::new();
     for Entry { name, key, .. } in all.iter().filter(|entry| !entry.name.is_empty()) {
         if let Some(before) = first.insert(name, *key) {
             let title = format!("two {what}s are named `{}`", shortened(name));
@@ -78,7 +78,7 @@ pub fn decoded<T>(values: Vec<Option<T>>) -> Option<Vec<T>> {
 pub struct Names<'n> {
     what: &'static str,
     in_order: Vec<&'n str>,
-    indices: FxHashMap<&'n str, usize>,
+    indices: HashMap<&'n str, usize>,
     /// Entries whose own entries could not be read. Names behind theirs and a `/` may be right.
     unread: Vec<&'n str>,
 }

@@ -22,7 +22,7 @@ use crate::appearance::material::{MaterialBinding, MaterialTracks};
 use crate::geometry::ray_kinds::RayVisibility;
 use crate::geometry::shape::Shape;
 use std::cell::LazyCell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// The materials and objects of a file.
@@ -74,12 +74,14 @@ pub fn materials_and_objects(
     }
     bind_caps(file, &mut table, &mut objects, (below.caps, &copied));
     add_offsets(file, &mut objects, copied.of_originals(below.explode));
+    let moved: HashSet<usize> =
+        below.deformed.iter().flat_map(|(_, scene)| scene.drafts.iter().map(|(index, _)| *index)).collect();
     let deformed = below.deformed.into_iter();
     let deformed = deformed.map(|(index, scene)| SceneDeformations { place: places[index].clone(), ..scene });
     deform(file, &mut objects, deformed.collect());
-    copied.share_deformations(&mut objects);
+    copied.share_deformations(&mut objects, &moved);
     let mut materials = table.finish();
-    data_ranges::resolve(file, &mut materials, &mut objects, &places);
+    data_ranges::resolve(file, &mut materials, &mut objects, (&places, &copied));
     Some(MaterialsAndObjects { materials, objects, carried })
 }
 
@@ -202,18 +204,9 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
             Some(placements) => {
                 let instance = |(number, Placement { transform, visible, row })| {
                     let (shape, tracks) = (shape.clone(), tracks.clone());
-                    let value = Object {
-                        shape,
-                        tracks,
-                        made_of,
-                        transform,
-                        visible,
-                        rays: RayVisibility::default(),
-                        parent: Some(index),
-                        skin_of: None,
-                        clip: Vec::new(),
-                        row: Some(row),
-                    };
+                    let (parent, row) = (Some(index), Some(row));
+                    let plain = Object::new(shape, 0);
+                    let value = Object { tracks, made_of, transform, visible, parent, row, ..plain };
                     Named { name: format!("{name}[{number}]"), value }
                 };
                 below.instances.push((index, placements.into_iter().enumerate().map(instance).collect()));

@@ -128,6 +128,10 @@ pub fn placements(
     clock: KeyClock,
 ) -> Result<Vec<Placement>, PoseFault> {
     let PlacementColumns { poses, id, scales, last_row } = columns;
+    let too_many = |count: usize| {
+        let place = poses.position.as_ref().map_or(0..0, |names| names[0].place.clone());
+        (place, TableError::new(format!("{count} of them; {MOST_ROWS} are the most")))
+    };
     let (position, rotation) = places(table, poses)?;
     let data = Arc::new(TableColumns::from(DataColumns::of(table)));
     let place = |row: usize| -> (DVec3, DQuat, DVec3) {
@@ -150,9 +154,15 @@ pub fn placements(
             let row = RowTrack::still(Arc::clone(&data), row as u32);
             Placement { transform, visible: true.into(), row }
         };
-        return Ok((0..table.rows()).map(still).collect());
+        return match table.rows() {
+            count @ ..=MOST_ROWS => Ok((0..count).map(still).collect()),
+            count => Err(too_many(count)),
+        };
     }
     let groups = rows.by_id(table, poses.time.as_ref(), id)?;
+    if groups.len() > MOST_ROWS {
+        return Err(too_many(groups.len()));
+    }
     Ok(groups.iter().map(|group| placement(&rows, group, (&data, last_row), &place)).collect())
 }
 
@@ -178,8 +188,11 @@ fn placement(
     let born = (first > 0).then(|| [(rows.times[0], false), (rows.times[first], true)]);
     let dead = rows.times.get(last + 1).map(|next| match last_row {
         LastRow::HoldsUntilNext => (*next, false),
-        // So early that no frame is between.
-        LastRow::Ends => (rows.times[last] + (*next - rows.times[last]) / 1_000_000, false),
+        // Times of tables have nine decimal places, so that no moment of a frame that they mean is between.
+        LastRow::Ends => {
+            let gap = *next - rows.times[last];
+            (rows.times[last] + (gap / 2).min(Time::new(1, 1_000_000_000)), false)
+        }
     });
     let start = if first > 0 || dead.is_none() { None } else { Some((rows.times[0], true)) };
     let keys: Vec<_> = born.into_iter().flatten().chain(start).chain(dead).map(key).collect();

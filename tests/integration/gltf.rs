@@ -1,7 +1,7 @@
 //! Scenes of glTF files, as users see them.
 
 use crate::command::{kinora, refused, run, stderr};
-use crate::support::shoot;
+use crate::support::{sequence_in, shoot};
 use kinora::base::color::Rgb;
 use kinora::sequence::{Sequence, load};
 use serde_json::{Value, json};
@@ -271,6 +271,28 @@ fn meshes_without_an_area_are_hidden_for_that_moment() {
     file.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": target }]);
     step(&mut file, "weights", 0, ("SCALAR", 1), &[1.0, 0.0, 1.0]);
     assert_eq!(frames(file), [BACKGROUND, white, BACKGROUND]);
+}
+
+/// Weights without keys move vertices once, also those of instances of the node.
+#[test]
+fn instances_show_meshes_as_they_are_deformed() {
+    let folder = folder();
+    let mut file = square(json!({}), PLAIN, &[]);
+    let up = file.floats("VEC3", 3, &[0.0, 1.0, 0.0].repeat(4));
+    file.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": up }]);
+    file.json["meshes"][0]["weights"] = json!([0.5]);
+    fs::write(folder.path().join("square.glb"), file.glb()).expect("a disk");
+    fs::write(folder.path().join("at.csv"), "x,y,z\n0,0,0\n").expect("a disk");
+    let picture = |objects: &str| {
+        let text =
+            format!("(output: (size: (8, 8)), camera: (position: (0, 0, 5)), objects: {{ {objects} }})");
+        shoot(&sequence_in(folder.path(), &text), 0..1).remove(0).film.data
+    };
+    let scene = picture("\"a\": (shape: Scene(\"square.glb\"))");
+    let shown = "\"a\": (shape: Scene(\"square.glb\"), visible: false),
+        \"b\": (shape: Instances(of: \"a\", file: \"at.csv\"))";
+    assert!(picture(shown) == scene);
+    assert!(picture("\"a\": (shape: Scene(\"square.glb\"), translation: (0, -0.5, 0))") != scene);
 }
 
 /// A mesh out of range ends the run with the name of its object.

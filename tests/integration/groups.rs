@@ -152,3 +152,40 @@ fn columns_color_the_objects_of_a_group() {
     let printed = refused(folder.path(), &["check", "a.ron"]);
     assert!(printed.contains("only meshes, particles and instances have data such as `heat`"), "{printed}");
 }
+
+/// Templates may hold a group and its instances.
+#[test]
+fn templates_show_their_own_groups() {
+    let folder = folder();
+    put(folder.path(), "at.csv", "x,y,z\n-1,0,0\n1,0,0\n");
+    let text = "(output: (size: (8, 8)), templates: { \"fleet\": (objects: {
+            \"car\": (shape: Box(min: (0, 0, 0), max: (1, 1, 1))),
+            \"all\": (shape: Instances(of: \"car\", file: \"at.csv\")) }) },
+        objects: { \"one\": (template: \"fleet\"), \"two\": (template: \"fleet\", translation: (0, 2, 0)) })";
+    let sequence = sequence_in(folder.path(), text);
+    let copies: Vec<_> = names(&sequence).into_iter().filter(|name| name.ends_with("[1]/one/car")).collect();
+    assert_eq!(copies, ["one/all[1]/one/car"]);
+}
+
+/// Every level shows the next one; too many are a fault, not a deep recursion.
+#[test]
+fn groups_are_not_too_deep() {
+    let folder = folder();
+    put(folder.path(), "one.csv", "x,y,z\n0,0,0\n");
+    let levels = |count: u32| {
+        let level = |index: u32| {
+            format!(
+                "\"g{index}\": (shape: Group),
+                \"i{index}\": (shape: Instances(of: \"g{}\", file: \"one.csv\"), parent: \"g{index}\"),",
+                index + 1
+            )
+        };
+        let all: String = (0..count).map(level).collect();
+        put(folder.path(), "a.ron", &format!("(objects: {{ {all} \"g{count}\": (shape: Sphere()) }})"));
+    };
+    levels(16);
+    kinora(folder.path(), &["check", "a.ron"]);
+    levels(3000);
+    let printed = refused(folder.path(), &["check", "a.ron"]);
+    assert!(printed.contains("groups hold instances of each other at most 16 deep"), "{printed}");
+}

@@ -267,3 +267,17 @@ fn the_data_of_a_mesh_comes_before_that_of_the_table() {
     assert!(checked("own").contains("the range of `own` is (5, 5)"));
     assert!(checked("other").contains("the range of `other` is (2, 3)"));
 }
+
+/// Numbers that no texture shows change nothing: frames are equal, though the table has times.
+#[test]
+fn only_shown_columns_make_frames_different() {
+    let folder = folder();
+    put(folder.path(), "at.csv", "t,id,x,y,z,heat,load\n0,1,0,0,0,5,1\n4,1,0,0,0,5,2\n");
+    let by = |column: &str| {
+        let shape = "Instances(shape: Sphere(), file: \"at.csv\")";
+        format!("\"ball\": (shape: {shape}, material: (color: Scalar(of: \"{column}\", range: (0, 10))))")
+    };
+    let same = |keys: Vec<Digest>| keys.windows(2).all(|pair| pair[0] == pair[1]);
+    assert!(same(keys(folder.path(), &by("heat"))));
+    assert!(!same(keys(folder.path(), &by("load"))));
+}

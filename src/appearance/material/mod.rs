@@ -40,7 +40,7 @@ pub struct Material {
 }
 
 /// The materials of an object, as indices into the scene's materials.
-#[derive(Clone, Copy, Component, Debug, PartialEq, Eq, Content)]
+#[derive(Clone, Copy, Component, Debug, PartialEq, Eq, Content, Hash)]
 #[warn(missing_docs)]
 pub enum MaterialBinding {
     /// One material for the whole object.

@@ -15,11 +15,11 @@ const DARK: f64 = 0.3;
 /// The number of candidates: the samples, the samples without outliers, and the fits to these of all scales.
 pub const CANDIDATES: usize = SCALES + 2;
 
-/// Bytes per pixel of the candidates of both halves, their guides and what they become.
+/// Bytes per pixel of the candidates of both halves, and what they become.
 pub fn bytes_of_pixel(layers: u64) -> u64 {
     // While outliers are dimmed, each light has its brightness.
     let light = CANDIDATES * size_of::<Rgb>() + size_of::<f32>();
-    2 * (Guides::BYTES_PER_PIXEL + layers * light as u64)
+    2 * layers * light as u64
 }
 
 /// The candidates of all pixels.

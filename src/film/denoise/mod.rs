@@ -41,6 +41,8 @@ use audits::AuditRow;
 use calibration::Calibration;
 use candidates::Candidates;
 use choice::MixRow;
+use columns::Columns;
+use guides::Guides;
 use measured::Measured;
 use planes::{Planes, channels_mut};
 use rayon::prelude::*;
@@ -75,11 +77,15 @@ pub fn samples_of_audit(picture: u32) -> u32 {
 const BYTES_OF_LAYER: u64 =
     Measured::BYTES_PER_PIXEL + ((candidates::CANDIDATES + trust::NUMBERS) * size_of::<f32>()) as u64;
 
-/// Bytes per pixel that denoising takes besides the film, if it has so many layers of light.
-pub fn bytes_of_pixel(layers: u64) -> u64 {
+/// Bytes that denoising a picture of this size takes besides the film, if it has so many layers of light.
+pub fn bytes((width, height): (u32, u32), layers: u64) -> u64 {
+    // Rows are padded: all numbers to columns, and guides to eight of these.
+    let columns = Columns::new(width as usize);
+    let [row, guides] = [columns.pixels(), columns.of_row()].map(|pixels| pixels as u64 * u64::from(height));
     // All films, and the filtered light.
-    let light = (2 * (layers + GUIDES as u64) + 2 * layers + layers) * size_of::<Rgb>() as u64;
-    light + candidates::bytes_of_pixel(layers) + BYTES_OF_LAYER
+    let light = (2 * (layers + GUIDES as u64) + 2 * layers + layers).saturating_mul(size_of::<Rgb>() as u64);
+    let pixel = light.saturating_add(candidates::bytes_of_pixel(layers)).saturating_add(BYTES_OF_LAYER);
+    row.saturating_mul(pixel).saturating_add(2 * guides * Guides::BYTES_PER_PIXEL)
 }
 
 /// Denoises a picture. The film holds no guides. `samples` is the number of samples per pixel of all films.

@@ -165,6 +165,7 @@ mod tests {
             _ => change(nothing, nothing),
         });
         let trust = Trust::new(&changes);
+        assert!(trust.0.as_flattened().iter().all(|share| *share == 0.0));
         assert!((0..64).flat_map(|y| trust.samples(y, &changes)).all(|share| share == 0.0));
     }
 

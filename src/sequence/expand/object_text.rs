@@ -2,6 +2,7 @@
 
 use super::super::fault::Fault;
 use super::super::node::{Node, NodeContent};
+use super::super::shape::INSTANCES;
 use super::super::values::text;
 use super::count::Steps;
 use super::expression::Expression;
@@ -12,6 +13,15 @@ use super::state::{Context, Meaning, State};
 use super::template::{TEMPLATE, WITH};
 use std::collections::HashSet;
 use std::ops::Range;
+
+/// The name of the object that instances show.
+fn object_of_instances(shape: Node<'_>) -> Option<Node<'_>> {
+    if shape.word() != INSTANCES {
+        return None;
+    }
+    let Some(NodeContent::Fields(fields)) = shape.content() else { return None };
+    fields.into_iter().find(|(name, _)| *name == "of").map(|(_, name)| name)
+}
 
 /// The text of an object with changed fields.
 pub struct ObjectText<'o, 's> {
@@ -62,6 +72,11 @@ impl<'s> ObjectText<'_, 's> {
                     parts.extend(self.copied(start..place.start));
                     parts.extend(self.parent(*value)?);
                 }
+                ("shape", _) if let Some(of) = object_of_instances(*value) => {
+                    parts.extend(self.copied(start..of.span().start));
+                    parts.extend(self.parent(of)?);
+                    parts.extend(self.copied(of.span().end..place.end));
+                }
                 ("translation", Some(shift)) => {
                     parts.extend(self.copied(start..place.start));
                     parts.extend(self.translation(*value, shift)?);
@@ -79,7 +94,8 @@ impl<'s> ObjectText<'_, 's> {
         self.source.parts(self.state, span, self.context)
     }
 
-    /// The parent of an object of a template is another object of it. A value may also name one of the whole sequence.
+    /// The parent of an object of a template is another object of it, and so is what its instances show. A value may also
+    /// name one of the whole sequence.
     fn parent(&self, node: Node<'_>) -> Option<Vec<Part<'s>>> {
         let as_written = || Some(self.copied(node.span()));
         let (Some(_), Some(open)) = (self.context.group, self.context.open) else { return as_written() };

@@ -54,7 +54,8 @@ fn fit_directly(pixels: &[Pixel], cell: usize, at: &[f64]) -> f64 {
 /// Sums over cells of cells, and lanes, give what every window on its own gives.
 #[test]
 fn fits_are_least_squares_in_each_window() {
-    for size in [(37, 21), (16, 70), (1, 3)] {
+    // Lanes are partly empty, exactly full, and full with more behind them.
+    for size in [(37, 21), (16, 70), (1, 3), (128, 5), (150, 40)] {
         let film = noise(size);
         let (width, height) = (size.0 as usize, size.1 as usize);
         let (guides, light) = (Guides::new(&film), Planes::of_film(&film, 0..2));
