@@ -37,14 +37,15 @@ enum Origin {
 }
 
 /// Decodes `explode` among the fields of an object.
-pub fn explode(fields: &mut Fields<'_>) -> Option<Option<ExplodeDraft>> {
+pub fn explode(fields: &mut Fields<'_>) -> Option<Option<Box<ExplodeDraft>>> {
     fields.optional("explode", |node| {
         let mut fields = Fields::of(node, "`explode`")?;
         let factor = fields.required("factor", keyed(number));
         let from = fields.optional("from", origin);
         let along = fields.optional("along", unit_vector);
         fields.finish();
-        Some(ExplodeDraft { factor: factor?, from: from?, along: along?, place: node.span().start })
+        let place = node.span().start;
+        Some(Box::new(ExplodeDraft { factor: factor?, from: from?, along: along?, place }))
     })
 }
 
@@ -65,7 +66,7 @@ fn axis(node: Node<'_>) -> Option<Origin> {
 }
 
 /// Gives the parts of objects their offsets in exploded views.
-pub fn add_offsets(file: &File<'_>, objects: &mut [Named<Object>], drafts: Vec<Option<ExplodeDraft>>) {
+pub fn add_offsets(file: &File<'_>, objects: &mut [Named<Object>], drafts: Vec<Option<Box<ExplodeDraft>>>) {
     if drafts.iter().all(Option::is_none) {
         return;
     }

@@ -30,21 +30,21 @@ use crate::track::Animated;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// An object whose material has no index yet.
+/// An object whose material has no index yet. Most objects have none of the parts that are boxes.
 pub struct ObjectDraft {
     pub shape: ShapeOverTime,
     /// The places of its instances. None if the object itself has the shape.
     pub placements: Option<Vec<Placement>>,
     /// The object that it shows at several places.
-    pub group: Option<GroupDraft>,
+    pub group: Option<Box<GroupDraft>>,
     /// The nodes of the scene that it shows.
-    pub scene: Option<SceneDraft>,
+    pub scene: Option<Box<SceneDraft>>,
     pub material: MaterialSource,
     pub transform: TransformTracks,
     pub visible: Animated<bool>,
     pub rays: RayVisibility,
     pub clip: ClipDraft,
-    pub explode: Option<ExplodeDraft>,
+    pub explode: Option<Box<ExplodeDraft>>,
     pub place: TransformPlace,
     /// The place of the field `material`.
     pub material_place: Range<usize>,
@@ -85,7 +85,7 @@ fn parent(node: Node<'_>, objects: &Names<'_>) -> Option<usize> {
 /// shows, if it shows one that could be read.
 pub fn object(
     node: Node<'_>,
-    scene: Option<SceneDraft>,
+    scene: Option<Box<SceneDraft>>,
     materials: &Names<'_>,
     objects: &Names<'_>,
 ) -> (Option<Box<ObjectDraft>>, Option<Parent>) {
@@ -118,7 +118,7 @@ pub fn object(
                 }
                 ShownShape::Instances(Instances { shown: Shown::Object(name), placements }) => {
                     let of = objects.index(name)?;
-                    group = Some(GroupDraft { of, place: name.span(), placements });
+                    group = Some(Box::new(GroupDraft { of, place: name.span(), placements }));
                     ShapeOverTime { shape: Shape::Group, tracks: None }
                 }
             }

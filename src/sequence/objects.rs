@@ -96,7 +96,7 @@ fn objects(node: Node<'_>, materials: &Names<'_>) -> Option<Vec<Placed>> {
     let read = entries
         .iter()
         .enumerate()
-        .map(|(index, entry)| object(entry.value, drafts.remove(&index), materials, &names));
+        .map(|(index, entry)| object(entry.value, drafts.remove(&index).map(Box::new), materials, &names));
     let (drafts, parents): (Vec<_>, Vec<_>) = read.collect::<Vec<_>>().into_iter().unzip();
     // A node moves with the object that shows its scene.
     let object_of = |index: usize| index.checked_sub(entries.len()).map_or(index, |node| scenes.owners[node]);
@@ -153,7 +153,7 @@ struct Below {
     /// The place of the planes that cut each object, and the material of its cut faces.
     caps: Vec<PlacedCap>,
     /// The exploded view of the parts of each object.
-    explode: Vec<Option<ExplodeDraft>>,
+    explode: Vec<Option<Box<ExplodeDraft>>>,
 }
 
 /// Gives every object the index of its material. Returns the nodes of scenes and the instances of objects apart.
@@ -182,8 +182,8 @@ fn assembled(table: &mut MaterialTable<'_>, drafts: Vec<Placed>) -> (Vec<Named<O
         let made_of = table.bind(material, &name);
         let parent = parent.map(|parent| parent.index);
         let index = objects.len();
-        below.groups.extend(group.map(|group| (index, group)));
-        if let Some(SceneDraft { nodes, lights, cameras, first, .. }) = scene {
+        below.groups.extend(group.map(|group| (index, *group)));
+        if let Some(SceneDraft { nodes, lights, cameras, first, .. }) = scene.map(|scene| *scene) {
             let deformed = nodes.iter().enumerate();
             let drafts =
                 deformed.filter_map(|(node, draft)| Some((next_node + node, draft.deformation.clone()?)));

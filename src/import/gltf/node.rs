@@ -72,8 +72,8 @@ pub fn nodes(root: &Item<'_>, buffers: &Buffers<'_>) -> GltfResult<Vec<GltfNode>
     Ok(nodes)
 }
 
-/// The nodes of the scene that have no parents. Some exporters also list nodes that are below other listed nodes; these are
-/// left out.
+/// The nodes of the scene that have no parents. Some exporters also list nodes that are below other listed nodes; these
+/// are left out.
 fn roots(root: &Item<'_>, children: &[Vec<usize>], parents: &[Option<usize>]) -> GltfResult<Vec<usize>> {
     let scenes = ("scenes", root.len_of("scenes"));
     let Some(scene) = root.index("scene", scenes)?.or((scenes.1 > 0).then_some(0)) else {
