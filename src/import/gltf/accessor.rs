@@ -9,9 +9,13 @@ use super::json::Item;
 use crate::base::lists::either;
 use crate::base::machine;
 use crate::geometry::mesh::MeshError;
+use rayon::prelude::*;
 
 /// The largest number of elements that are stored nowhere, because all of them are zero.
 const MAX_ZEROS: u64 = 1 << 24;
+
+/// Fewest elements that several threads read together.
+const MANY: usize = 1 << 16;
 
 /// The type of the numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,7 +166,11 @@ impl<'a> Accessor<'a> {
         };
         let mut all = match self.dense {
             Some((bytes, stride)) => {
-                (0..self.count).map(|at| element(bytes.get(at * stride..).unwrap_or_default())).collect()
+                let read = |at: usize| element(bytes.get(at * stride..).unwrap_or_default());
+                match self.count < MANY {
+                    true => (0..self.count).map(read).collect(),
+                    false => (0..self.count).into_par_iter().with_min_len(MANY / 4).map(read).collect(),
+                }
             }
             None => vec![[0.0; N]; self.count],
         };

@@ -257,14 +257,14 @@ impl Merged {
         let before = data.positions.len();
         let first = u32::try_from(before).ok()?;
         u32::try_from(before + part.positions.len()).ok()?;
-        data.positions.extend(part.positions);
+        add(&mut data.positions, part.positions);
         let count = data.positions.len();
         append(&mut self.normals, part.normals, (before, count), Vec3::ZERO);
         append(&mut self.uvs, part.uvs, (before, count), DVec2::ZERO);
         append(&mut data.colors, part.colors, (before, count), Rgb::ONE);
         data.slots.resize(data.slots.len() + part.triangles.len(), material as u16);
-        data.triangles
-            .extend(part.triangles.into_iter().map(|triangle| triangle.map(|vertex| first + vertex)));
+        let moved = part.triangles.into_iter().map(|triangle| triangle.map(|vertex| first + vertex));
+        add(&mut data.triangles, moved.collect());
         self.materials.push(material);
         self.deformation.push(part.targets, part.influences, (before, count));
         Some(())
@@ -285,6 +285,15 @@ fn append<T: Clone>(all: &mut Vec<T>, part: Vec<T>, (before, count): (usize, usi
         return;
     }
     all.resize(before, missing.clone());
-    all.extend(part);
+    add(all, part);
     all.resize(count, missing);
+}
+
+/// Adds values at the end. Those of the first primitive are moved: most meshes have only one, and writing to new memory
+/// takes long.
+fn add<T>(all: &mut Vec<T>, part: Vec<T>) {
+    match all.is_empty() {
+        true => *all = part,
+        false => all.extend(part),
+    }
 }
