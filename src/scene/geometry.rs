@@ -237,7 +237,7 @@ impl Geometry {
     }
 
     /// The digest of the meshes' data of these keys, by the materials that read it. The digest of a mesh of a series
-    /// covers its data already, and that of an [`Origin`] its row of a table.
+    /// covers its data already, and that of an `Origin` its row of a table.
     pub fn arrays(&self, keys: &HashMap<u32, Vec<&ArrayKey>>) -> Digest {
         let mut digests = Vec::new();
         for (primitive, Origin { shape, .. }) in self.primitives.iter().zip(&self.origins) {

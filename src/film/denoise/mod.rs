@@ -9,7 +9,7 @@
 //! lead to the truth.
 //!
 //! Two small films of other samples, the audits, are never part of the picture. They show how much of the filter's
-//! changes to keep (see [`trust`]), and the squared error of the result, bias included, without bias (see [`error`]).
+//! changes to keep (`trust`), and the squared error of the result, bias included, without bias (`error`).
 //!
 //! Every layer of light is filtered on its own, so the picture stays a weighted sum of layers.
 
