@@ -72,8 +72,8 @@ pub fn nodes(root: &Item<'_>, buffers: &Buffers<'_>) -> GltfResult<Vec<GltfNode>
     Ok(nodes)
 }
 
-/// The nodes of the scene that have no parents. Some exporters also list nodes that are below other listed nodes; these
-/// are left out.
+/// The nodes of the scene that are below no other ones of it. Listed nodes should have no parents, but some exporters
+/// list children of nodes that they leave out, which are roots then, or children of other listed nodes.
 fn roots(root: &Item<'_>, children: &[Vec<usize>], parents: &[Option<usize>]) -> GltfResult<Vec<usize>> {
     let scenes = ("scenes", root.len_of("scenes"));
     let Some(scene) = root.index("scene", scenes)?.or((scenes.1 > 0).then_some(0)) else {
@@ -85,18 +85,22 @@ fn roots(root: &Item<'_>, children: &[Vec<usize>], parents: &[Option<usize>]) ->
     if unique.len() < listed.len() {
         return Err(scene.error("it names a node twice"));
     }
-    let roots: Vec<usize> = listed.iter().copied().filter(|node| parents[*node].is_none()).collect();
-    if roots.len() < listed.len() {
-        let (mut below, mut walk) = (HashSet::new(), roots.clone());
-        while let Some(node) = walk.pop() {
-            below.insert(node);
-            walk.extend(&children[node]);
+    // From nodes without parents downwards: nodes that are their own ancestors are not met.
+    let (mut met, mut roots) = (HashSet::new(), HashSet::new());
+    let mut walk: Vec<(usize, bool)> =
+        (0..parents.len()).filter(|node| parents[*node].is_none()).map(|node| (node, false)).collect();
+    while let Some((node, is_below)) = walk.pop() {
+        met.insert(node);
+        let is_listed = unique.contains(&node);
+        if is_listed && !is_below {
+            roots.insert(node);
         }
-        if let Some(child) = listed.iter().find(|node| !below.contains(node)) {
-            return Err(scene.error(format!("its nodes[{child}] has a parent, so it is no root")));
-        }
+        walk.extend(children[node].iter().map(|child| (*child, is_below || is_listed)));
     }
-    Ok(roots)
+    if let Some(own) = listed.iter().find(|node| !met.contains(node)) {
+        return Err(scene.error(format!("its nodes[{own}] is its own ancestor, or below such a node")));
+    }
+    Ok(listed.into_iter().filter(|node| roots.contains(node)).collect())
 }
 
 fn node(

@@ -250,13 +250,19 @@ fn circles_of_nodes_end() {
     let scene = good(Fixture::with(json!({ "nodes": circle })));
     assert_eq!(scene.nodes.len(), 1);
     let scenes = json!({ "nodes": circle, "scenes": [{ "nodes": [0] }] });
-    assert_eq!(fault(Fixture::with(scenes)), "scenes[0]: its nodes[0] has a parent, so it is no root");
+    assert_eq!(
+        fault(Fixture::with(scenes)),
+        "scenes[0]: its nodes[0] is its own ancestor, or below such a node"
+    );
     let below = json!([{ "children": [1] }, { "children": [2] }, { "name": "leaf" }]);
     let twice = good(Fixture::with(json!({ "nodes": below, "scenes": [{ "nodes": [2, 0, 1] }] })));
     let parents: Vec<_> = twice.nodes.iter().map(|node| (node.index, node.parent)).collect();
     assert_eq!(parents, [(0, None), (1, Some(0)), (2, Some(1))], "listed nodes are shown once");
+    let part = good(Fixture::with(json!({ "nodes": below, "scenes": [{ "nodes": [1] }] })));
+    let parents: Vec<_> = part.nodes.iter().map(|node| (node.index, node.parent)).collect();
+    assert_eq!(parents, [(1, None), (2, Some(0))], "parents that are not listed are left out");
     let own = json!({ "nodes": [{ "children": [0] }], "scenes": [{ "nodes": [0] }] });
-    assert!(fault(Fixture::with(own)).contains("has a parent"));
+    assert!(fault(Fixture::with(own)).contains("is its own ancestor"));
 }
 
 #[test]
