@@ -42,21 +42,15 @@ impl TableColumns {
         self.unusable.iter().find(|(known, _)| known == name).map(|(_, why)| why.as_str())
     }
 
-    /// The index of the column with these numbers.
-    fn position(&self, key: &ArrayKey) -> Option<usize> {
-        let index = key.index(self.arrays.iter().map(|column| (column.name.as_str(), column.centering)))?;
-        self.arrays[index].has(key.component).then_some(index)
-    }
-
     /// The column with these numbers.
     pub fn find(&self, key: &ArrayKey) -> Option<&DataArray> {
-        self.position(key).map(|index| &self.arrays[index])
+        key.find_in(&self.arrays).map(|index| &self.arrays[index])
     }
 }
 
 /// A number between two rows of a column: that of the first one at a share of 0, of the second one at 1. The second row is
 /// not read at a share of 0.
-pub fn between(column: &DataArray, rows: [u32; 2], share: f64) -> f64 {
+pub fn interpolated(column: &DataArray, rows: [u32; 2], share: f64) -> f64 {
     let [a, b] = rows.map(|row| row as usize);
     let a = column.values.get(a);
     if share == 0.0 {
@@ -127,7 +121,7 @@ impl RowTrack {
             }
             _ => ([self.rows[low]; 2], 0.0),
         };
-        let numbers = self.columns.arrays.iter().map(|column| between(column, rows, share)).collect();
+        let numbers = self.columns.arrays.iter().map(|column| interpolated(column, rows, share)).collect();
         TableRow { columns: Arc::clone(&self.columns), numbers }
     }
 }
@@ -142,15 +136,15 @@ pub struct TableRow {
 /// Equal numbers of one table.
 impl PartialEq for TableRow {
     fn eq(&self, other: &Self) -> bool {
-        let bits = |row: &Self| row.numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
-        Arc::ptr_eq(&self.columns, &other.columns) && bits(self) == bits(other)
+        let [own, others] = [self, other].map(|row| row.numbers.iter().map(|number| number.to_bits()));
+        Arc::ptr_eq(&self.columns, &other.columns) && own.eq(others)
     }
 }
 
 impl TableRow {
     /// One of the numbers; none if there is no such column.
     pub fn number(&self, key: &ArrayKey) -> Option<f64> {
-        self.columns.position(key).map(|index| self.numbers[index])
+        key.find_in(&self.columns.arrays).map(|index| self.numbers[index])
     }
 }
 

@@ -53,7 +53,7 @@ pub fn resolve(
                     noted.insert(read);
                 }
                 // A group that only its instances show may lack what their rows have.
-                Err(_) if is_copied.get(index) == Some(&true) && is_hidden(objects, index) => {}
+                Err(_) if is_copied[index] && is_hidden(objects, index) => {}
                 Err(fault) if !seen.contains(&&texture.source) => file.push(*fault),
                 _ => {}
             }
@@ -134,16 +134,20 @@ fn keep_read_columns(objects: &mut [Named<Object>], data: &[Vec<DataTexture>]) {
     let mut kept: HashMap<(*const TableColumns, MaterialBinding), Arc<TableColumns>> = HashMap::new();
     for Named { value: object, .. } in objects {
         let Some(row) = object.row.take() else { continue };
-        let shown = object.made_of.indices().filter_map(|index| data.get(index as usize)).flatten();
-        let name = |texture: &'_ DataTexture| match &texture.source {
-            DataSource::Array(key) => Some(key.name.clone()),
-            DataSource::Coordinate(_) => None,
-        };
         let columns = kept.entry((Arc::as_ptr(row.columns()), object.made_of)).or_insert_with(|| {
-            let names: Vec<String> = shown.filter_map(name).collect();
-            Arc::new(row.columns().only(&names.iter().map(String::as_str).collect::<Vec<_>>()))
+            let shown = object.made_of.indices().filter_map(|index| data.get(index as usize)).flatten();
+            let names: Vec<&str> = shown.filter_map(array_name).collect();
+            Arc::new(row.columns().only(&names))
         });
         object.row = (!columns.arrays().is_empty()).then(|| row.with_columns(Arc::clone(columns)));
+    }
+}
+
+/// The name of the data that a texture reads, if it does not read a coordinate.
+fn array_name(texture: &DataTexture) -> Option<&str> {
+    match &texture.source {
+        DataSource::Array(key) => Some(&key.name),
+        DataSource::Coordinate(_) => None,
     }
 }
 
@@ -192,7 +196,7 @@ impl<'a> Owner<'a> {
     }
 
     fn find(&self, key: &ArrayKey) -> Option<&'a DataArray> {
-        found(self.arrays(), key)
+        key.find_in(self.arrays()).map(|index| &self.arrays()[index])
     }
 }
 
@@ -203,12 +207,6 @@ fn owners(object: &Object) -> Vec<Owner<'_>> {
         _ => object.shape.meshes().into_iter().map(|mesh| Owner::Mesh(mesh.mesh.arrays())).collect(),
     };
     of_shape.into_iter().chain(object.row.as_ref().map(|row| Owner::Table(row.columns()))).collect()
-}
-
-/// The array that has these numbers.
-fn found<'a>(arrays: &'a [DataArray], key: &ArrayKey) -> Option<&'a DataArray> {
-    let index = key.index(arrays.iter().map(|array| (array.name.as_str(), array.centering)))?;
-    Some(&arrays[index]).filter(|array| array.has(key.component))
 }
 
 /// The range of both.
@@ -261,10 +259,9 @@ fn endless(place: &Range<usize>) -> Fault {
 
 /// The fault of data that a mesh or a table lacks.
 fn missing(key: &ArrayKey, owner: &Owner<'_>, place: &Range<usize>) -> Fault {
-    let (owner, arrays) = (owner.name(), owner.arrays());
     let whole = ArrayKey { component: Component::Whole, ..key.clone() };
     let name = shortened(&key.name);
-    if let (Some(array), Component::Index(index)) = (found(arrays, &whole), key.component) {
+    if let (Some(array), Component::Index(index)) = (owner.find(&whole), key.component) {
         let title = format!("the data `{name}` has no component {index}");
         let label = match array.components {
             1 => "it has one, 0".to_owned(),
@@ -277,6 +274,7 @@ fn missing(key: &ArrayKey, owner: &Owner<'_>, place: &Range<usize>) -> Fault {
         Some(Centering::Points) => "data of points",
         Some(Centering::Cells) => "data of cells",
     };
+    let (owner, arrays) = (owner.name(), owner.arrays());
     let fits = |centering| key.centering.is_none_or(|wanted| wanted == centering);
     let names = || arrays.iter().filter(|array| fits(array.centering)).map(|array| array.name.as_str());
     let label = match nearest(&key.name, names()) {

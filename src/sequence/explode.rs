@@ -3,7 +3,7 @@
 use super::fields::Fields;
 use super::keys::keyed;
 use super::node::Node;
-use super::placement::chain;
+use super::placement::{chain, children};
 use super::source_file::File;
 use super::suggest::shortened;
 use super::values::{number, unit_vector, vector};
@@ -72,12 +72,8 @@ pub fn add_offsets(file: &File<'_>, objects: &mut [Named<Object>], drafts: Vec<O
     }
     let bounds = bounds_within_parents(objects);
     let explodes: Vec<bool> = drafts.iter().map(Option::is_some).collect();
-    let mut below = vec![Vec::new(); objects.len()];
-    for (index, object) in objects.iter().enumerate().filter(|(_, object)| object.value.skin_of.is_none()) {
-        if let Some(parent) = object.value.parent {
-            below[parent].push(index);
-        }
-    }
+    let mut below = children(objects);
+    below.iter_mut().for_each(|parts| parts.retain(|part| objects[*part].value.skin_of.is_none()));
     let mut noted = HashSet::new();
     for (object, draft) in drafts.into_iter().enumerate() {
         let Some(draft) = draft else { continue };

@@ -4,6 +4,7 @@
 //! holds for objects holds for them: keys, cuts, exploded views, groups within groups.
 
 use super::fault::Fault;
+use super::placement::children;
 use super::pose_tracks::Placement;
 use super::source_file::File;
 use super::suggest::shortened;
@@ -43,15 +44,10 @@ pub fn add(
     if drafts.is_empty() {
         return CopiedObjects { originals };
     }
-    let mut below = vec![Vec::new(); objects.len()];
-    for (index, object) in objects.iter().enumerate() {
-        if let Some(parent) = object.value.parent {
-            below[parent].push(index);
-        }
-    }
+    let children = children(objects);
     let order: Vec<usize> = drafts.iter().map(|(index, _)| *index).collect();
     let drafts = drafts.into_iter().map(|(index, draft)| (index, State::Waiting(draft))).collect();
-    let mut copier = Copier { file, objects, below, originals, drafts };
+    let mut copier = Copier { file, objects, children, originals, drafts };
     for index in order {
         if copier.add(index, 0).is_none() {
             break;
@@ -114,8 +110,7 @@ enum State {
 struct Copier<'a, 'f> {
     file: &'a File<'f>,
     objects: &'a mut Vec<Named<Object>>,
-    /// For each object, those whose parent it is.
-    below: Vec<Vec<usize>>,
+    children: Vec<Vec<usize>>,
     originals: Vec<usize>,
     drafts: HashMap<usize, State>,
 }
@@ -152,8 +147,9 @@ impl Copier<'_, '_> {
             self.file.push(Fault::new(draft.place, title, label));
             return None;
         }
+        let places = group.iter().enumerate().map(|(place, of)| (*of, place)).collect();
         for (number, placement) in draft.placements.into_iter().enumerate() {
-            self.add_one(index, number, placement, &group);
+            self.add_one(index, number, placement, (&group, &places));
         }
         self.drafts.insert(index, State::Added);
         Some(())
@@ -164,7 +160,7 @@ impl Copier<'_, '_> {
     fn all_below(&self, object: usize) -> Option<Vec<usize>> {
         let (mut all, mut next) = (vec![object], 0);
         while let Some(&above) = all.get(next) {
-            all.extend(&self.below[above]);
+            all.extend(&self.children[above]);
             next += 1;
             if all.len() > self.objects.len() {
                 return None;
@@ -173,22 +169,28 @@ impl Copier<'_, '_> {
         Some(all)
     }
 
-    /// Adds one instance of a group below an object.
-    fn add_one(&mut self, shown_by: usize, number: usize, placement: Placement, group: &[usize]) {
+    /// Adds one instance of a group below an object. `places` holds the place of each object in the group.
+    fn add_one(
+        &mut self,
+        shown_by: usize,
+        number: usize,
+        placement: Placement,
+        (group, places): (&[usize], &HashMap<usize, usize>),
+    ) {
         let Placement { transform, visible, row } = placement;
         let name = format!("{}[{number}]", self.objects[shown_by].name);
         let parent = Some(shown_by);
         let place = Object { transform, visible, parent, ..Object::new(Shape::Group, 0) };
         let place = self.push(Named { name: name.clone(), value: place }, None);
-        let copies: HashMap<usize, usize> =
-            (self.objects.len()..).zip(group).map(|(copy, of)| (*of, copy)).collect();
+        let first = self.objects.len();
+        let copy_of = |object: usize| places.get(&object).map(|place| first + place);
         for &of in group {
             let Named { name: own, value } = &self.objects[of];
             let mut value = value.clone();
-            value.parent =
-                Some(value.parent.filter(|_| of != group[0]).map_or(place, |parent| copies[&parent]));
-            value.skin_of = value.skin_of.map(|node| copies.get(&node).copied().unwrap_or(node));
-            value.row = value.row.or_else(|| Some(row.clone()));
+            // The parent of the group itself is outside of it.
+            value.parent = value.parent.and_then(copy_of).or(Some(place));
+            value.skin_of = value.skin_of.map(|node| copy_of(node).unwrap_or(node));
+            value.row.get_or_insert_with(|| row.clone());
             // A group that is there only for its instances is hidden itself.
             if of == group[0] && value.visible == Animated::Constant(false) {
                 value.visible = true.into();
@@ -202,9 +204,9 @@ impl Copier<'_, '_> {
     fn push(&mut self, object: Named<Object>, original: Option<usize>) -> usize {
         let index = self.objects.len();
         if let Some(parent) = object.value.parent {
-            self.below[parent].push(index);
+            self.children[parent].push(index);
         }
-        self.below.push(Vec::new());
+        self.children.push(Vec::new());
         self.originals.push(original.map_or(index, |original| self.originals[original]));
         self.objects.push(object);
         index

@@ -10,6 +10,17 @@ pub fn chain(objects: &[Named<Object>], object: usize) -> impl Iterator<Item = u
     std::iter::successors(Some(object), |&at| objects.get(at)?.value.parent).take(objects.len())
 }
 
+/// For each object, those whose parent it is.
+pub fn children(objects: &[Named<Object>]) -> Vec<Vec<usize>> {
+    let mut children = vec![Vec::new(); objects.len()];
+    for (index, object) in objects.iter().enumerate() {
+        if let Some(parent) = object.value.parent {
+            children[parent].push(index);
+        }
+    }
+    children
+}
+
 /// The object that shows the mesh of a node: the skinned mesh of the node, or the node itself.
 pub fn shown_by(objects: &[Named<Object>], node: usize) -> usize {
     // Nodes that show their mesh themselves have a shape.

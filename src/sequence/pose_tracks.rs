@@ -14,7 +14,7 @@ use crate::track::{Animate, Animated, Ease, Key, Repeat, Track};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Maximum number of poses, as of keys in one list.
+/// Maximum number of poses of one table, as of keys in one list; and of objects that it makes.
 const MOST_ROWS: usize = 1_000_000;
 
 /// Poses over time. Tracks without columns are constant.
@@ -128,10 +128,6 @@ pub fn placements(
     clock: KeyClock,
 ) -> Result<Vec<Placement>, PoseFault> {
     let PlacementColumns { poses, id, scales, last_row } = columns;
-    let too_many = |count: usize| {
-        let place = poses.position.as_ref().map_or(0..0, |names| names[0].place.clone());
-        (place, TableError::new(format!("{count} of them; {MOST_ROWS} are the most")))
-    };
     let (position, rotation) = places(table, poses)?;
     let data = Arc::new(TableColumns::from(DataColumns::of(table)));
     let place = |row: usize| -> (DVec3, DQuat, DVec3) {
@@ -154,16 +150,21 @@ pub fn placements(
             let row = RowTrack::still(Arc::clone(&data), row as u32);
             Placement { transform, visible: true.into(), row }
         };
-        return match table.rows() {
-            count @ ..=MOST_ROWS => Ok((0..count).map(still).collect()),
-            count => Err(too_many(count)),
-        };
+        at_most(table.rows(), "rows", poses.position.as_ref().map(|names| &names[0]))?;
+        return Ok((0..table.rows()).map(still).collect());
     }
     let groups = rows.by_id(table, poses.time.as_ref(), id)?;
-    if groups.len() > MOST_ROWS {
-        return Err(too_many(groups.len()));
-    }
+    at_most(groups.len(), "numbers of particles or instances", id)?;
     Ok(groups.iter().map(|group| placement(&rows, group, (&data, last_row), &place)).collect())
+}
+
+/// Limits the number of poses or objects of a table.
+fn at_most(count: usize, what: &str, column: Option<&ColumnName>) -> Result<(), PoseFault> {
+    if count <= MOST_ROWS {
+        return Ok(());
+    }
+    let place = column.map_or(0..0, |column| column.place.clone());
+    Err((place, TableError::new(format!("it has {count} {what}; {MOST_ROWS} are the most"))))
 }
 
 /// The placement of rows of ascending time.
@@ -312,10 +313,7 @@ pub fn values<'t>(table: &'t Table, column: &ColumnName) -> Result<&'t [f64], Po
 
 /// Ascending times.
 fn times(table: &Table, column: &ColumnName, clock: KeyClock) -> Result<Vec<Time>, PoseFault> {
-    if table.rows() > MOST_ROWS {
-        let why = format!("it has {} rows; {MOST_ROWS} poses are the most", table.rows());
-        return Err((column.place.clone(), TableError::new(why)));
-    }
+    at_most(table.rows(), "rows", Some(column))?;
     let mut times: Vec<Time> = Vec::with_capacity(table.rows());
     let values = values(table, column)?;
     for (row, value) in values.iter().enumerate() {

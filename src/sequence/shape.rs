@@ -63,12 +63,12 @@ pub fn shape(node: Node<'_>) -> Option<ShapeOverTime> {
 /// Any shape, or instances of one.
 pub fn shown_shape(node: Node<'_>) -> Option<ShownShape<'_>> {
     let name = known_word(node, "shape", &NAMES)?;
-    let single = ShownShape::Single;
     if name == INSTANCES {
         return instances(node).map(ShownShape::Instances);
     }
     if name == TEXT {
-        return text_solid(node).map(|mesh| single(ShapeOverTime { shape: Shape::Mesh(mesh), tracks: None }));
+        let shape = |mesh| ShapeOverTime { shape: Shape::Mesh(mesh), tracks: None };
+        return text_solid(node).map(|mesh| ShownShape::Single(shape(mesh)));
     }
     if is_scene(&node) {
         let title = "a scene is a shape of its own object";
@@ -94,7 +94,7 @@ pub fn shown_shape(node: Node<'_>) -> Option<ShownShape<'_>> {
         Some((shape, placements)) => {
             Some(ShownShape::Instances(Instances { shown: Shown::Shape(shape), placements }))
         }
-        None => Some(single(ShapeOverTime { shape: shape?, tracks: read.tracks })),
+        None => Some(ShownShape::Single(ShapeOverTime { shape: shape?, tracks: read.tracks })),
     }
 }
 

@@ -1,13 +1,12 @@
 //! Numbers of meshes and coordinates as colours.
 
-use crate::support::{sequence_in, shoot};
+use crate::support::{folder, sequence_in, shoot};
 use kinora::base::color::{Rgb, linear_to_srgb};
 use kinora::base::digest::Digest;
 use kinora::pipeline::plan::evaluate;
 use kinora::sequence::{Sequence, load, parse};
 use std::fs;
 use std::path::Path;
-use tempfile::TempDir;
 
 /// Two squares side by side, from x = -1 to 1 and y = -0.5 to 0.5. The heat of a vertex rises with x.
 fn squares(heat: [f64; 3], zones: [f64; 2]) -> String {
@@ -20,10 +19,6 @@ fn squares(heat: [f64; 3], zones: [f64; 2]) -> String {
         (0..3).for_each(|k| text.push_str(&format!("{} {y} 0 {}\n", f64::from(k) - 1.0, heat[k as usize])));
     }
     text + &format!("4 0 1 4 3 {}\n4 1 2 5 4 {}\n", zones[0], zones[1])
-}
-
-fn folder() -> TempDir {
-    tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable")
 }
 
 /// The squares of `squares.ply`, 64 pixels wide, in this material.

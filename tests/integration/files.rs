@@ -1,16 +1,12 @@
 //! The files that a sequence is read from: what has no end does not stop the reader, and one file is read once.
 
+use crate::support::folder;
 use assert_cmd::Command;
 use kinora::appearance::material::MaterialTracks;
 use kinora::appearance::texture::TextureTracks;
 use kinora::sequence::{Sequence, load};
 use std::fs;
 use std::path::Path;
-use tempfile::TempDir;
-
-fn folder() -> TempDir {
-    tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable")
-}
 
 fn sequence_in(folder: &Path, text: &str) -> Result<Sequence, String> {
     let path = folder.join("scene.ron");

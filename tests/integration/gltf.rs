@@ -1,24 +1,19 @@
 //! Scenes of glTF files, as users see them.
 
 use crate::command::{kinora, refused, run, stderr};
-use crate::support::{sequence_in, shoot};
+use crate::support::{folder, sequence_in, shoot};
 use kinora::base::color::Rgb;
 use kinora::sequence::{Sequence, load};
 use serde_json::{Value, json};
 use std::fs;
 use std::io::Cursor;
 use std::path::Path;
-use tempfile::TempDir;
 
 #[path = "../../src/testing/gltf.rs"]
 #[allow(dead_code, reason = "unit tests use the rest")]
 mod fixture;
 
 use fixture::GltfFixture;
-
-fn folder() -> TempDir {
-    tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable")
-}
 
 /// A file whose only node shows a square from -1 to 1, with these texture coordinates at its corners, in a material that
 /// shows its own colour.

@@ -1,20 +1,10 @@
 //! Groups as instances: objects, and all below them, at the places of a table.
 
 use crate::command::{contents, kinora, refused};
-use crate::support::{sequence_in, shoot_all_in};
+use crate::support::{folder, put, sequence_in, shoot_all_in};
 use kinora::film::Film;
 use kinora::sequence::Sequence;
-use std::fs;
 use std::path::Path;
-use tempfile::TempDir;
-
-fn folder() -> TempDir {
-    tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable")
-}
-
-fn put(folder: &Path, name: &str, text: &str) {
-    fs::write(folder.join(name), text).expect("a disk");
-}
 
 /// Four frames with these objects.
 fn text(objects: &str) -> String {

@@ -1,13 +1,8 @@
 //! Images and patterns on surfaces: where they end, what shows through them, and how they look behind what is clear.
 
-use crate::support::{sequence_in, shoot_all_in, shoot_film};
+use crate::support::{folder, sequence_in, shoot_all_in, shoot_film};
 use kinora::base::color::Rgb;
 use std::path::Path;
-use tempfile::TempDir;
-
-fn folder() -> TempDir {
-    tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable")
-}
 
 /// Writes an image of linear codes, row by row from the top.
 fn write(folder: &Path, name: &str, width: u32, texels: &[[u8; 4]]) {

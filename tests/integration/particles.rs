@@ -1,21 +1,11 @@
 //! Particles and instances: many things from the rows of a table.
 
 use crate::command::{contents, kinora, refused};
-use crate::support::{sequence_in, shoot_all_in};
+use crate::support::{folder, put, sequence_in, shoot_all_in};
 use kinora::base::digest::Digest;
 use kinora::film::Film;
 use kinora::pipeline::plan::evaluate;
-use std::fs;
 use std::path::Path;
-use tempfile::TempDir;
-
-fn folder() -> TempDir {
-    tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable")
-}
-
-fn put(folder: &Path, name: &str, text: &str) {
-    fs::write(folder.join(name), text).expect("a disk");
-}
 
 /// Five frames with these objects, on a floor that they shade.
 fn text(objects: &str) -> String {
@@ -29,6 +19,11 @@ fn text(objects: &str) -> String {
 
 fn films(folder: &Path, objects: &str) -> Vec<Film> {
     shoot_all_in(folder, &text(objects)).into_iter().map(|shot| shot.film).collect()
+}
+
+/// An object of this shape, with further fields.
+fn object(name: u32, shape: &str, rest: &str) -> String {
+    format!("\"{name}\": (shape: {shape}, material: \"m\", {rest}),")
 }
 
 fn keys(folder: &Path, objects: &str) -> Vec<Digest> {
@@ -152,7 +147,7 @@ fn instances_look_like_objects() {
     let shape = "Cone(radius: 0.4)";
     let instances =
         format!("\"trees\": (shape: Instances(shape: {shape}, file: \"trees.csv\"), material: \"m\")");
-    let object = |name: u32, rest: &str| format!("\"{name}\": (shape: {shape}, material: \"m\", {rest}),");
+    let object = |name: u32, rest: &str| object(name, shape, rest);
     let objects = [
         object(1, ""),
         object(2, "translation: (1.5, 0, 0), rotation: Quaternion((0, 0, 1, 0)), scale: 0.5"),
@@ -187,7 +182,7 @@ fn particles_of_a_shape_look_like_objects() {
     let shape = "Box(min: (-1, -0.5, -0.5), max: (1, 0.5, 0.5))";
     let particles =
         format!("\"spray\": (shape: Particles(file: \"spray.csv\", shape: {shape}), material: \"m\")");
-    let object = |name: u32, rest: &str| format!("\"{name}\": (shape: {shape}, material: \"m\", {rest}),");
+    let object = |name: u32, rest: &str| object(name, shape, rest);
     let objects = [
         object(1, "translation: [(0, (-1, 0, 0)), (4, (-2, 0, 1))], scale: 0.5"),
         object(

@@ -1,7 +1,7 @@
 //! Series of meshes: one file per time.
 
 use crate::command::{contents, kinora, refused};
-use crate::support::{sequence_in, shoot, shoot_all_in};
+use crate::support::{put, sequence_in, shoot, shoot_all_in};
 use kinora::base::digest::Digest;
 use kinora::film::Film;
 use kinora::pipeline::plan::evaluate;
@@ -28,10 +28,6 @@ fn folder() -> TempDir {
         put(folder.path(), &format!("s_{number:02}.ply"), &square(height));
     }
     folder
-}
-
-fn put(folder: &Path, name: &str, text: &str) {
-    fs::write(folder.join(name), text).expect("a disk");
 }
 
 /// Six frames of an object with this shape.

@@ -14,8 +14,20 @@ use kinora::geometry::shape::Shape;
 use kinora::pipeline::schedule::{FilmCollector, FrameLoop, Stats};
 use kinora::scene::{Finish, Geometry};
 use kinora::sequence::{Sequence, parse};
+use std::fs;
 use std::path::Path;
 use std::sync::Arc;
+use tempfile::TempDir;
+
+/// An empty folder, which goes with the value.
+pub fn folder() -> TempDir {
+    tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("the folder is writable")
+}
+
+/// Writes a file into a folder.
+pub fn put(folder: &Path, name: &str, text: &str) {
+    fs::write(folder.join(name), text).expect("a disk");
+}
 
 /// Reads a sequence that must be right.
 pub fn sequence(text: &str) -> Sequence {

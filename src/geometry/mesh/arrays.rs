@@ -54,6 +54,12 @@ impl ArrayKey {
         Self { name, centering: None, component: Component::Whole }
     }
 
+    /// The index of the array that has these numbers.
+    pub fn find_in(&self, arrays: &[DataArray]) -> Option<usize> {
+        let index = self.index(arrays.iter().map(|array| (array.name.as_str(), array.centering)))?;
+        arrays[index].has(self.component).then_some(index)
+    }
+
     /// The index of the array that the key means, among arrays of these names and centerings.
     pub fn index<'a>(&self, arrays: impl Iterator<Item = (&'a str, Centering)> + Clone) -> Option<usize> {
         let of = |centering| arrays.clone().position(|array| array == (self.name.as_str(), centering));
@@ -238,16 +244,12 @@ impl DataArrays {
         &self.arrays
     }
 
-    fn index(&self, key: &ArrayKey) -> Option<usize> {
-        key.index(self.arrays.iter().map(|array| (array.name.as_str(), array.centering)))
-    }
-
     pub fn find(&self, key: &ArrayKey) -> Option<&DataArray> {
-        self.index(key).map(|index| &self.arrays[index]).filter(|array| array.has(key.component))
+        key.find_in(&self.arrays).map(|index| &self.arrays[index])
     }
 
     pub fn digest(&self, key: &ArrayKey) -> Option<Digest> {
-        let index = self.index(key)?;
+        let index = key.find_in(&self.arrays)?;
         Some(*self.digests[index].get_or_init(|| self.arrays[index].digest()))
     }
 }

@@ -7,7 +7,7 @@ use crate::base::math::Aabb;
 use crate::geometry::bvh::{LeafBox, Tree, TreeSpace};
 use crate::geometry::mesh::ArrayKey;
 use crate::geometry::shape::{Geometric, Sphere};
-use crate::geometry::table_rows::between;
+use crate::geometry::table_rows::interpolated;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -108,7 +108,7 @@ impl ParticleSet {
     /// A number of a particle.
     pub fn number(&self, key: &ArrayKey, part: u32) -> Option<f64> {
         let Origin { row, share } = self.origins[part as usize];
-        Some(between(self.tracks.columns().find(key)?, [row, row + 1], share))
+        Some(interpolated(self.tracks.columns().find(key)?, [row, row + 1], share))
     }
 
     /// The digest of a column's numbers; none if there is no such column.
