@@ -34,11 +34,12 @@ use std::process::ExitCode;
 type Check = fn(&Path) -> Result<(), Failed>;
 
 /// Names of tests, the folder of their files, the number of files at least, so that none gets lost, and the test.
-const FOLDERS: [(&str, &str, usize, Check); 6] = [
+const FOLDERS: [(&str, &str, usize, Check); 7] = [
     ("bad", "tests/bad", 60, bad::check),
     ("golden", "tests/golden", 5, golden::check),
     ("sequences", "sequences", 26, shipped::check),
     ("sequences/bench", "sequences/bench", 4, shipped::check_bench),
+    ("benches/targets", "benches/targets", 5, shipped::check),
     ("json/sequences", "sequences", 26, converted::check),
     ("json/bench", "sequences/bench", 4, converted::check),
 ];
