@@ -3,6 +3,7 @@
 use super::forecast_text;
 use super::json::{line, object, rounded};
 use crate::base::escape;
+use crate::base::frame_set;
 use crate::base::stats::{Counts, SharedSamples};
 use crate::base::units;
 use crate::base::units::seconds;
@@ -271,16 +272,43 @@ fn error(summary: &Summary) -> Vec<String> {
     if capped > 0.0 {
         lines.push(format!(
             "target missed: {} of the pixels reached the limit of samples (max_samples)",
-            crate::base::units::percent(capped)
+            units::percent(capped)
         ));
     }
+    lines.extend(denoised(&summary.noise));
     lines
 }
 
+/// Which frames were denoised, if some might have been.
+fn denoised(noise: &[(u32, Noise)]) -> Option<String> {
+    let asked = noise.iter().filter_map(|(frame, noise)| Some((*frame, noise.denoised?)));
+    let (denoised, kept): (Vec<_>, Vec<_>) = asked.partition(|(_, denoised)| *denoised);
+    let all = denoised.len() + kept.len();
+    let frames = frame_set::text(&kept.iter().map(|(frame, _)| *frame).collect::<Vec<_>>());
+    Some(match (kept.len(), all) {
+        (_, 0) => return None,
+        (0, 1) => "denoised".to_owned(),
+        (0, _) => format!("denoised all {} frames", units::count(all as u64)),
+        (1, 1) => format!("not denoised: the frame kept its samples, {CHEAPER}"),
+        (few, _) => {
+            let [denoised, all] = [denoised.len(), all].map(|frames| units::count(frames as u64));
+            let (noun, its) = if few == 1 { ("frame", "its") } else { ("frames", "their") };
+            format!("denoised {denoised} of {all} frames; {noun} {frames} kept {its} samples, {CHEAPER}")
+        }
+    })
+}
+
+/// Why a frame keeps its samples.
+const CHEAPER: &str = "which was cheaper";
+
 fn noise(frames: &[(u32, Noise)]) -> Map<String, Value> {
     let of = |(frame, noise): &(u32, Noise)| {
-        let Noise { error, low, high, samples, capped } = noise;
-        let value = json!({ "error": error, "low": low, "high": high, "samples": samples, "capped": capped });
+        let Noise { error, low, high, samples, capped, denoised } = noise;
+        let mut value =
+            json!({ "error": error, "low": low, "high": high, "samples": samples, "capped": capped });
+        if let Some(denoised) = denoised {
+            value["denoised"] = json!(denoised);
+        }
         (frame.to_string(), value)
     };
     frames.iter().map(of).collect()
@@ -429,6 +457,40 @@ dropped undefined   2
     fn refits_are_listed_if_there_are_any() {
         let text = text(&Summary { bvh_refits: 71, ..summary() });
         assert!(text.contains("\nBVH     1 build, 71 refits\n"), "{text}");
+    }
+
+    /// A run of frames that were denoised or not, or were never to be.
+    fn denoised(frames: &[Option<bool>]) -> Summary {
+        let noise = |denoised: &Option<bool>| Noise { error: 0.5, denoised: *denoised, ..Noise::default() };
+        Summary { noise: (0..).zip(frames.iter().map(noise)).collect(), ..summary() }
+    }
+
+    #[test]
+    fn frames_that_kept_their_samples_are_named() {
+        let (yes, no) = (Some(true), Some(false));
+        for (frames, wanted) in [
+            (&[yes][..], "denoised"),
+            (&[no], "not denoised: the frame kept its samples, which was cheaper"),
+            (&[yes; 24], "denoised all 24 frames"),
+            (&[yes, None], "denoised"),
+            (&[yes, no], "denoised 1 of 2 frames; frame 1 kept its samples, which was cheaper"),
+            (
+                &[no, yes, yes, no, no, no],
+                "denoised 2 of 6 frames; frames 0,3-5 kept their samples, which was cheaper",
+            ),
+            (&[no, no], "denoised 0 of 2 frames; frames 0-1 kept their samples, which was cheaper"),
+        ] {
+            let text = text(&denoised(frames));
+            assert!(text.contains(&format!("        {wanted}\n")), "{text}");
+        }
+        assert!(!text(&denoised(&[None; 3])).contains("denoised"));
+        let json = json(&denoised(&[yes, no, None]));
+        let noise = |denoised: &str| {
+            format!(r#"{{"error":0.5,"low":0.0,"high":0.0,"samples":0.0,"capped":0.0{denoised}}}"#)
+        };
+        let [yes, no] = ["true", "false"].map(|denoised| noise(&format!(r#","denoised":{denoised}"#)));
+        let wanted = format!(r#""noise":{{"0":{yes},"1":{no},"2":{}}}"#, noise(""));
+        assert!(json.contains(&wanted), "{json}");
     }
 
     #[test]

@@ -55,20 +55,24 @@ pub fn frame_entries(info: &FrameInfo, key: Option<&FrameKey>) -> Vec<TextEntry>
     entries
 }
 
-/// The noise that sampling reached, and the number of samples. Numbers are written so that they read back exactly.
+/// The noise that sampling reached, the number of samples, and whether the frame was denoised, if it might have been.
+/// Numbers are written so that they read back exactly.
 pub fn noise_entry(noise: &Noise) -> TextEntry {
-    let Noise { error, low, high, samples, capped } = noise;
-    (ERROR, format!("{error} low={low} high={high} samples={samples} capped={capped}"))
+    let Noise { error, low, high, samples, capped, denoised } = noise;
+    let mut text = format!("{error} low={low} high={high} samples={samples} capped={capped}");
+    text.extend(denoised.map(|denoised| format!(" denoised={denoised}")));
+    (ERROR, text)
 }
 
 /// Reads the [`noise_entry`].
 pub fn find_noise(entries: &[StoredTextEntry]) -> Option<Noise> {
     let mut words = find(entries, ERROR)?.split(' ');
     let error = words.next()?.parse().ok()?;
-    let mut named =
-        |name: &str| -> Option<f64> { words.next()?.strip_prefix(name)?.strip_prefix('=')?.parse().ok() };
-    let (low, high) = (named("low")?, named("high")?);
-    Some(Noise { error, low, high, samples: named("samples")?, capped: named("capped")? })
+    let mut named = |name: &str| -> Option<&str> { words.next()?.strip_prefix(name)?.strip_prefix('=') };
+    let mut number = |name: &str| -> Option<f64> { named(name)?.parse().ok() };
+    let [low, high, samples, capped] = ["low", "high", "samples", "capped"].map(&mut number);
+    let denoised = named("denoised").and_then(|word| word.parse().ok());
+    Some(Noise { error, low: low?, high: high?, samples: samples?, capped: capped?, denoised })
 }
 
 /// The numbers of samples that this time limit led to: random samples per pixel, and samples along each side of a
@@ -115,9 +119,12 @@ mod tests {
 
     #[test]
     fn errors_are_read_back_to_the_last_bit() {
-        let noise = Noise { error: 1.0 / 3.0, low: 1e-300, high: f64::INFINITY, samples: 88.1, capped: 0.0 };
-        assert_eq!(find_noise(&stored(&[noise_entry(&noise)])), Some(noise));
-        assert_eq!(find_noise(&from_lines(&to_lines(&[noise_entry(&noise)]))), Some(noise));
+        for denoised in [None, Some(false), Some(true)] {
+            let (error, low, high) = (1.0 / 3.0, 1e-300, f64::INFINITY);
+            let noise = Noise { error, low, high, samples: 88.1, capped: 0.0, denoised };
+            assert_eq!(find_noise(&stored(&[noise_entry(&noise)])), Some(noise));
+            assert_eq!(find_noise(&from_lines(&to_lines(&[noise_entry(&noise)]))), Some(noise));
+        }
         assert_eq!(find_noise(&[(ERROR.to_owned(), "0.1 low=x".to_owned())]), None);
         assert_eq!(find_noise(&[]), None);
     }

@@ -56,6 +56,7 @@ impl Noise {
             high: sum(self.high, other.high),
             samples: self.samples + other.samples,
             capped: self.capped.max(other.capped),
+            denoised: self.denoised.max(other.denoised),
         }
     }
 }
@@ -67,7 +68,8 @@ mod tests {
     fn film(value: f32, error: f64) -> Film {
         let mut film = Film::new(2, 1, vec![Rgb::splat(2.0)]);
         film.data_mut().fill(Rgb::splat(value));
-        let noise = Noise { error, low: error / 2.0, high: 2.0 * error, samples: 8.0, capped: 0.25 };
+        let noise =
+            Noise { error, low: error / 2.0, high: 2.0 * error, samples: 8.0, capped: 0.25, denoised: None };
         Film { noise: Some(noise), noises: [noise].into(), ..film }
     }
 

@@ -14,6 +14,8 @@ pub struct Noise {
     pub samples: f64,
     /// Fraction of the pixels that reached the maximum number of samples, whatever their error.
     pub capped: f64,
+    /// Whether the film, or a part of it, was denoised. None if it was never to be.
+    pub denoised: Option<bool>,
 }
 
 impl Noise {

@@ -199,6 +199,48 @@ fn bytes_and_files() {
     assert!(noisy.contains("16 samples a pixel"), "{noisy}");
 }
 
+/// Four frames in two different rooms: a bright one that is smooth, and a dark one with a ball of glass.
+const TWO_ROOMS: &str = "(timeline: (frames: 4, keys: Frames), output: (size: (96, 64)),
+    quality: (integrator: Path(), bounces: 3, noise: 0.03, denoise: Auto),
+    camera: (position: (0, 2, 6), target: (0, 1, 0)), background: [(0, 1), (2, 0, Step)],
+    lights: { \"lamp\": Sphere(center: (2, 3, 1), radius: 0.4, intensity: 20, on: [(0, false), (2, true)]) },
+    objects: { \"floor\": (shape: Plane(), material: (color: 0.7)),
+        \"ball\": (shape: Sphere(center: (0, 1, 0)), visible: [(0, true), (2, false)]),
+        \"glass\": (shape: Sphere(center: (0, 1, 0)), material: Dielectric(), visible: [(0, false), (2, true)]),
+        \"wall\": (shape: Box(min: (-9, 0, -3), max: (9, 9, -2.8)), material: (color: 0.5)) })";
+
+/// Frames that kept their samples are named in the summary, in files, and again where files are kept.
+#[test]
+fn frames_that_kept_their_samples_are_named() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("rooms.ron"), TWO_ROOMS).expect("the folder is writable");
+    let render = |more: &[&str]| kinora(at, &[&["render", "rooms.ron"], more].concat());
+    let outputs = ["-o", "a_#.png", "-o", "a_#.exr"];
+    let first = render(&outputs);
+    let named = "denoised 2 of 4 frames; frames 2-3 kept their samples, which was cheaper";
+    assert!(first.contains(named), "{first}");
+    for (frame, denoised) in [(0, true), (1, true), (2, false), (3, false)] {
+        let texts = kinora::encode::frame_texts(&at.join(format!("a_{frame}.png")));
+        let stated = texts.iter().find(|(keyword, _)| keyword == "kinora:error");
+        let word = format!(" denoised={denoised}");
+        assert!(stated.is_some_and(|(_, text)| text.ends_with(&word)), "{frame}: {texts:?}");
+        let exr = fs::read(at.join(format!("a_{frame}.exr"))).expect("a frame");
+        assert!(exr.windows(word.len()).any(|window| window == word.as_bytes()), "{frame}");
+    }
+    let again = render(&outputs);
+    assert!(again.contains(named) && again.contains("4 of them kept"), "{again}");
+    let json = render(&[&outputs[..], &["--progress", "json"]].concat());
+    assert_eq!(
+        [true, false].map(|denoised| json.matches(&format!("\"denoised\":{denoised}")).count()),
+        [2, 2]
+    );
+    let all = render(&["-o", "b_#.png", "--samples", "8"]);
+    assert!(all.contains("denoised all 4 frames"), "{all}");
+    let without = render(&["-o", "c_#.png", "--no-denoise", "--noise", "0.2"]);
+    assert!(!without.contains("denoised"), "{without}");
+}
+
 /// Frames without random samples are the same with and without the denoiser.
 #[test]
 fn exact_frames_stay_as_they_are() {

@@ -301,7 +301,8 @@ fn frames_record_their_error() {
     let sequence = kinora::sequence::load(&folder.path().join("soft.ron")).expect("a sequence");
     for frame in 0..3 {
         let noise = shoot(&sequence, [frame]).remove(0).film.noise.expect("an error was asked for");
-        let Noise { error, low, high, samples, capped } = noise;
+        let Noise { error, low, high, samples, capped, denoised } = noise;
+        assert_eq!(denoised, None);
         let wanted = format!("{error} low={low} high={high} samples={samples} capped={capped}");
         let texts = kinora::encode::frame_texts(&folder.path().join(format!("f_{frame}.png")));
         let found =

@@ -69,19 +69,19 @@ impl RemainingError {
             self.means.iter().zip(self.held_weights(weights)).filter(|(_, weight)| *weight != DVec3::ZERO);
         let mean = weighted.map(|(mean, weight)| *mean * weight).sum::<DVec3>().element_sum() / 3.0;
         if mean <= 0.0 {
-            return Noise { samples: self.samples, ..Noise::default() };
+            return Noise { samples: self.samples, denoised: Some(true), ..Noise::default() };
         }
         let (square, variance) = self.square(weights);
         if self.pixels.len() < 2 || !(mean.is_finite() && square.is_finite() && variance.is_finite()) {
             let (error, high) = (f64::INFINITY, f64::INFINITY);
-            return Noise { error, low: 0.0, high, samples: self.samples, capped: 0.0 };
+            return Noise { error, high, samples: self.samples, denoised: Some(true), ..Noise::default() };
         }
         let (deviation, within) = (variance.sqrt(), Z_95 * variance.sqrt());
         // The interval is never below the error that is stated.
         let stated = square.max(deviation);
         let [error, low, high] =
             [stated, square - within, stated + within].map(|square| square.max(0.0).sqrt() / mean);
-        Noise { error, low, high, samples: self.samples, capped: 0.0 }
+        Noise { error, low, high, samples: self.samples, capped: 0.0, denoised: Some(true) }
     }
 
     /// The estimate of the mean squared error over pixels and channels with these weights, and its variance. The

@@ -62,6 +62,8 @@ pub struct AdaptiveFrame {
     /// The weightings, for the traced layers only.
     weightings: Vec<Vec<Rgb>>,
     aovs: AovSet,
+    /// As in [`Noise`].
+    denoised: Option<bool>,
     /// Row by row.
     blocks: Vec<Block>,
     estimate: ErrorEstimate,
@@ -110,11 +112,12 @@ impl AdaptiveFrame {
             Block::new((left, top), places, &held, layers.0.len() + aovs.layers(), first)
         };
         let (blocks, estimate) = (corners.map(block).collect(), ErrorEstimate::default());
-        Self { size, seed, target, layers, weightings, aovs, blocks, estimate }
+        Self { size, seed, target, layers, weightings, aovs, denoised: None, blocks, estimate }
     }
 
     /// A frame whose pixels have `samples` samples, traced with `rays` rays as two films of one half each. It is ready to be
-    /// settled. Its samples are those of a frame that began without any; its error is known from one round only.
+    /// settled. Its samples are those of a frame that began without any; its error is known from one round only. It
+    /// might have been denoised, and states that it is not.
     pub fn of_halves(
         halves: [&Film; 2],
         (samples, rays): (u32, u64),
@@ -127,6 +130,7 @@ impl AdaptiveFrame {
         // Guides are the last layers, which frames without the denoiser do not have.
         let aovs = AovSet { guides: false, ..film.aovs };
         let mut frame = Self::of_layers(size, layers, (seed, target), aovs, shown);
+        frame.denoised = Some(false);
         let all = frame.layers.0.len();
         let kept: Vec<usize> =
             film.held.iter().map(|layer| layer.index()).chain(all..all + aovs.layers()).collect();
@@ -240,6 +244,6 @@ impl AdaptiveFrame {
         let samples: f64 = self.blocks.iter().map(|block| f64::from(block.drawn()) * share(block)).sum();
         let capped = self.blocks.iter().filter(|block| block.drawn() >= most).map(share);
         let capped = capped.fold(0.0, |sum, share| sum + share);
-        Noise { samples, capped, ..self.estimate.noise(weighting) }
+        Noise { samples, capped, denoised: self.denoised, ..self.estimate.noise(weighting) }
     }
 }
