@@ -59,13 +59,22 @@ impl TreeSpace {
     }
 
     /// The world's box in this space, with the corners rounded outwards.
+    #[inline]
     pub fn outward(&self, bounds: Aabb) -> [[f32; 3]; 2] {
         let error = self.error(bounds.min.abs().max(bounds.max.abs()).max_element());
         let (min, max) = (self.point(bounds.min) - error, self.point(bounds.max) + error);
-        let down = |v: f64| if f64::from(v as f32) > v { (v as f32).next_down() } else { v as f32 };
-        let up = |v: f64| if f64::from(v as f32) < v { (v as f32).next_up() } else { v as f32 };
-        [[down(min.x), down(min.y), down(min.z)], [up(max.x), up(max.y), up(max.z)]]
+        [min.to_array().map(round_down), max.to_array().map(|v| -round_down(-v))]
     }
+}
+
+/// The largest f32 that is not above a number. Half of all numbers round up, so there are no branches.
+#[inline]
+fn round_down(value: f64) -> f32 {
+    let near = value as f32;
+    let bits = near.to_bits();
+    // The number before a positive one has the bits before, that before a negative one the bits after.
+    let before = (bits.cast_signed() >> 31).wrapping_mul(-2).wrapping_sub(1).cast_unsigned();
+    f32::from_bits(bits.wrapping_add(before & u32::from(f64::from(near) > value).wrapping_neg()))
 }
 
 /// The largest power of two that is not above a normal number.
@@ -83,6 +92,7 @@ pub fn reciprocal(power: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Random;
 
     #[test]
     fn boxes_are_rounded_outwards() {
@@ -97,6 +107,21 @@ mod tests {
                 assert!(rounded[0].abs() <= 1.0 + 1e-6 || size == 0.0 || size.abs() < 1e-9 * v.abs());
             }
         }
+    }
+
+    #[test]
+    fn numbers_are_rounded_down_to_the_next_f32() {
+        let largest = f64::from(f32::MAX);
+        let ends =
+            [0.0, 1e-46, 1e-45, 1e-38, f64::MIN_POSITIVE, largest, largest.next_up(), 1e39, f64::INFINITY];
+        let mut random = Random(3);
+        let any = (0..1000).map(|_| libm::exp2(600.0 * random.unit() - 300.0) * (random.unit() - 0.5));
+        for value in any.chain(ends).flat_map(|value| [value, -value, f64::from(value as f32)]) {
+            let near = value as f32;
+            let expected = if f64::from(near) > value { near.next_down() } else { near };
+            assert_eq!(round_down(value).to_bits(), expected.to_bits(), "{value:e}");
+        }
+        assert!(round_down(f64::NAN).is_nan());
     }
 
     #[test]

@@ -204,11 +204,11 @@ impl Bvh {
         if self.extents.len() != geometry.primitives.len() {
             return None;
         }
-        let slots = || changes.iter().map(|slot| *slot as usize);
-        self.extents.update(slots().map(|slot| (slot, Extent::of(&geometry.primitives[slot]))));
-        for slot in slots() {
-            let is_empty = geometry.primitives[slot].is_absent(self.kind);
-            let bounds = self.extents.bounds(slot).filter(|_| !is_empty);
+        for slot in changes.iter().map(|slot| *slot as usize) {
+            let primitive = &geometry.primitives[slot];
+            let (extent, is_empty) = (Extent::of(primitive), primitive.is_absent(self.kind));
+            self.extents.set(slot, extent);
+            let bounds = extent.bounds().filter(|_| !is_empty);
             match (self.places[slot], is_empty) {
                 (Place::Leaf(_), false) if bounds.is_none() => return None,
                 (Place::Leaf(leaf), _) => {
@@ -220,6 +220,7 @@ impl Bvh {
             }
         }
         self.refitter.finish(&mut self.tree);
+        self.extents.update();
         let all = self.extents.all();
         self.reach = all.reach();
         self.rewritten += geometry.replaced() - self.replaced;

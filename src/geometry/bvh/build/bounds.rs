@@ -1,6 +1,7 @@
 //! The f32 boxes over which trees are built.
 
 use glam::Vec4;
+use std::ops::{Add, Mul};
 
 /// Boxes per parallel task.
 pub const CHUNK: usize = 1 << 14;
@@ -49,9 +50,7 @@ impl Bounds {
     /// area, longer ones count more, and no box counts zero. So trees over lines and points are balanced too.
     #[inline(always)]
     pub fn half_area(&self) -> f32 {
-        let side = self.high - self.low;
-        let (length, area) = (side.x + side.y + side.z, side.x * (side.y + side.z) + side.y * side.z);
-        area + (LENGTH * length + f32::MIN_POSITIVE)
+        half_area((self.high - self.low).truncate().to_array())
     }
 
     /// The bounds of boxes, and the bounds of their doubled centres.
@@ -74,6 +73,16 @@ impl Bounds {
     pub fn corners(&self) -> [[f32; 3]; 2] {
         [self.low.truncate().to_array(), self.high.truncate().to_array()]
     }
+}
+
+/// [`Bounds::half_area`] for the sides of a box, or of several.
+#[inline(always)]
+pub fn half_area<T>([x, y, z]: [T; 3]) -> T
+where
+    T: Copy + Add<Output = T> + Add<f32, Output = T> + Mul<Output = T> + Mul<f32, Output = T>,
+{
+    let (length, area) = (x + y + z, x * (y + z) + y * z);
+    area + (length * LENGTH + f32::MIN_POSITIVE)
 }
 
 /// A primitive reference: the index of a primitive and a box around it or around a piece of it.

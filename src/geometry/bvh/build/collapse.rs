@@ -5,6 +5,7 @@ use super::bounds::{Bounds, CHUNK};
 use crate::base::math::DVec3;
 use crate::geometry::bvh::tree::{Child, Node, Tree};
 use crate::geometry::bvh::{LeafPrimitives, TreeSpace};
+use glam::Vec4;
 use rayon::prelude::*;
 
 /// Collapses a binary tree by its plans. Also returns the primitives of the leaves. Descendants follow their node, and
@@ -144,14 +145,10 @@ impl Node {
 
     /// The corners of the box around all children.
     pub(super) fn corners(&self) -> [[f32; 3]; 2] {
-        let mut corners = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-        for (axis, [low, high]) in self.planes.iter().enumerate() {
-            for slot in 0..8 {
-                corners[0][axis] = corners[0][axis].min(low[slot]);
-                corners[1][axis] = corners[1][axis].max(high[slot]);
-            }
-        }
-        corners
+        let half = |planes: &[f32; 8], first: usize| Vec4::from_slice(&planes[first..first + 4]);
+        let low = |[low, _]: &[[f32; 8]; 2]| half(low, 0).min(half(low, 4)).min_element();
+        let high = |[_, high]: &[[f32; 8]; 2]| half(high, 0).max(half(high, 4)).max_element();
+        [self.planes.each_ref().map(low), self.planes.each_ref().map(high)]
     }
 }
 

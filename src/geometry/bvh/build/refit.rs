@@ -1,10 +1,11 @@
 //! Refits trees: moves the boxes of leaves, and widens or narrows those above them. The tree keeps its shape.
 
-use super::bounds::Bounds;
+use super::bounds::{self, Bounds};
 use super::pieces;
 use crate::base::math::{Aabb, DVec3};
 use crate::geometry::bvh::tree::{Child, Node};
 use crate::geometry::bvh::{Tree, TreeSpace};
+use glam::Vec4;
 
 /// The box around the content of a leaf, in the space of its tree.
 #[derive(Clone, Copy, Debug)]
@@ -73,11 +74,7 @@ impl Tree {
     /// The expected number of nodes and leaves that a ray visits if it hits the box around all (surface area
     /// heuristic).
     pub fn cost(&self) -> f64 {
-        let boxes = |node: &Node| {
-            let slots = (0..8).zip(node.children).filter(|(_, child)| *child != Child::NONE);
-            slots.map(|(slot, _)| half_area(node.box_of(slot))).sum::<f64>()
-        };
-        self.cost_of(self.nodes.iter().map(boxes).sum())
+        self.cost_of(self.nodes.iter().map(Node::half_area).sum())
     }
 
     /// How often the tree was refitted since it was built.
@@ -100,7 +97,8 @@ pub struct Refitter {
     leaves: Vec<BoxPlace>,
     /// A bit for each node that holds a box that has changed.
     dirty: Vec<u64>,
-    /// The sum of the half areas of all boxes below the root.
+    /// For each node, the sum of the half areas of its boxes when it was last updated, and the sum of these.
+    areas: Vec<f64>,
     area: f64,
 }
 
@@ -131,6 +129,7 @@ impl Refitter {
             nodes: vec![BoxPlace::NONE; tree.nodes.len()],
             leaves: vec![BoxPlace::NONE; leaves],
             dirty: vec![0; tree.nodes.len().div_ceil(64)],
+            areas: tree.nodes.iter().map(Node::half_area).collect(),
             area: 0.0,
         };
         for (index, node) in (0..).zip(&tree.nodes) {
@@ -140,19 +139,20 @@ impl Refitter {
                     Some(leaf) => refitter.leaves[leaf as usize] = place,
                     None => refitter.nodes[child.0 as usize] = place,
                 }
-                refitter.area += half_area(node.box_of(slot as usize));
             }
         }
+        refitter.area = refitter.areas.iter().sum();
         refitter
     }
 
     /// Sets the box around the content of a leaf; none if the leaf is empty now. Returns false if the box does not lie
     /// in the tree's space, so that the tree has to be built again. Call [`Refitter::finish`] after the last leaf.
+    #[inline]
     pub fn set_leaf(&mut self, tree: &mut Tree, leaf: u32, bounds: Option<Aabb>) -> bool {
         let corners = bounds.map_or(EMPTY, |bounds| Bounds::new(tree.space.outward(bounds)).corners());
         let [low, high] = corners;
         let fits =
-            bounds.is_none() || low.iter().all(|low| *low >= -1.0) && high.iter().all(|high| *high <= 1.0);
+            bounds.is_none() || low.iter().all(|low| *low >= -1.0) & high.iter().all(|high| *high <= 1.0);
         if fits {
             self.set(tree, self.leaves[leaf as usize], corners);
         }
@@ -160,13 +160,8 @@ impl Refitter {
     }
 
     fn set(&mut self, tree: &mut Tree, place: BoxPlace, corners: [[f32; 3]; 2]) {
-        let node = &mut tree.nodes[place.node()];
-        let before = node.box_of(place.child());
-        if before != corners {
-            node.set_box(place.child(), corners);
-            self.area += half_area(corners) - half_area(before);
-            self.dirty[place.node() / 64] |= 1 << (place.node() % 64);
-        }
+        tree.nodes[place.node()].set_box(place.child(), corners);
+        self.dirty[place.node() / 64] |= 1 << (place.node() % 64);
     }
 
     /// Updates the boxes above the leaves that were set, from the bottom up: children follow their parents.
@@ -174,11 +169,15 @@ impl Refitter {
         for word in (0..self.dirty.len()).rev() {
             while let Some(bit) = self.dirty[word].checked_ilog2() {
                 self.dirty[word] ^= 1 << bit;
-                let node = 64 * word + bit as usize;
-                let corners = tree.nodes[node].corners();
-                match node {
-                    0 => tree.bounds = corners.map(|corner| DVec3::from_array(corner.map(f64::from))),
-                    _ => self.set(tree, self.nodes[node], corners),
+                let index = 64 * word + bit as usize;
+                let node = &tree.nodes[index];
+                let (corners, area) = (node.corners(), node.half_area());
+                self.area += area - std::mem::replace(&mut self.areas[index], area);
+                let place = self.nodes[index];
+                if index == 0 {
+                    tree.bounds = corners.map(|corner| DVec3::from_array(corner.map(f64::from)));
+                } else if tree.nodes[place.node()].box_of(place.child()) != corners {
+                    self.set(tree, place, corners);
                 }
             }
         }
@@ -189,7 +188,7 @@ impl Refitter {
         self.cost(tree) / tree.built_cost
     }
 
-    /// [`Tree::cost`], without looking at every box.
+    /// [`Tree::cost`], without looking at every node.
     pub fn cost(&self, tree: &Tree) -> f64 {
         tree.cost_of(self.area)
     }
@@ -201,6 +200,21 @@ fn half_area(corners: [[f32; 3]; 2]) -> f64 {
 }
 
 impl Node {
+    /// The sum of the half areas of the boxes. Empty ones have none.
+    fn half_area(&self) -> f64 {
+        let mut sum = 0.0;
+        for first in [0, 4] {
+            let row = |[low, high]: &[[f32; 8]; 2]| {
+                [low, high].map(|planes| Vec4::from_slice(&planes[first..first + 4]))
+            };
+            let [x, y, z] = self.planes.each_ref().map(row);
+            let areas = bounds::half_area([x, y, z].map(|[low, high]| high - low));
+            let areas = Vec4::select(x[0].cmple(x[1]), areas, Vec4::ZERO);
+            sum += areas.to_array().map(f64::from).iter().sum::<f64>();
+        }
+        sum
+    }
+
     /// The corners of a child's box.
     fn box_of(&self, slot: usize) -> [[f32; 3]; 2] {
         let [[x, to_x], [y, to_y], [z, to_z]] = &self.planes;

@@ -101,3 +101,38 @@ fn trees_are_the_same_on_all_threads() {
     let alone = build(1);
     assert!(build(2) == alone && build(3) == alone);
 }
+
+/// Leaves move and empty, and a refitted tree knows its cost: the sum over single boxes, one after the other.
+#[test]
+fn refitted_costs_are_those_of_all_boxes() {
+    let mut random = Random(5);
+    let mut boxes: Vec<Aabb> = (0..300).map(|_| cube(random.point(8.0), random.unit())).collect();
+    // They keep the space of the tree.
+    boxes.extend([cube(DVec3::splat(-9.0), 1.0), cube(DVec3::splat(8.0), 1.0)]);
+    let (mut tree, contents) = Tree::of_boxes(&boxes);
+    let mut refitter = Refitter::new(&tree, contents.len());
+    for _ in 0..20 {
+        for leaf in 0..contents.len() as u32 {
+            let (moves, empty) = (random.unit() < 0.3, random.unit() < 0.1);
+            let bounds = cube(random.point(8.0), random.unit());
+            if moves {
+                assert!(refitter.set_leaf(&mut tree, leaf, (!empty).then_some(bounds)));
+            }
+        }
+        refitter.finish(&mut tree);
+        let mut area = 0.0;
+        for node in &tree.nodes {
+            for slot in 0..8 {
+                let side = |side: usize| [0, 1, 2].map(|axis: usize| node.planes[axis][side][slot]);
+                let bounds = Bounds::new([side(0), side(1)]);
+                let is_empty = bounds.low.x > bounds.high.x;
+                area += if is_empty { 0.0 } else { f64::from(bounds.half_area()) };
+            }
+        }
+        let root = f64::from(Bounds::new(tree.nodes[0].corners()).half_area());
+        let expected = 1.0 + area / root;
+        for cost in [refitter.cost(&tree), tree.cost()] {
+            assert!((cost - expected).abs() <= 1e-12 * expected, "{cost} {expected}");
+        }
+    }
+}
