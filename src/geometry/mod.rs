@@ -13,4 +13,5 @@ pub mod motion;
 pub mod ray_kinds;
 pub mod shape;
 pub mod table_rows;
+pub mod prepared_transform;
 pub mod transform;

@@ -3,12 +3,11 @@
 use crate::base::math::{Angle, DAffine3, DMat3, DQuat, DVec3, axis_angle, euler_xyz, orthonormal};
 use crate::base::time::Time;
 use crate::geometry::motion::Motion;
-use crate::track::Animated;
-use bevy_ecs::component::Component;
+use crate::track::{Animated, SegmentCache};
 
 /// Translation, rotation and scale over time. A point p goes to
 /// translation + pivot + R(scale · (p - pivot)). If a program moves the object, p is moved first.
-#[derive(Clone, Component, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[warn(missing_docs)]
 pub struct TransformTracks {
     /// Moves the object, after everything else.
@@ -94,13 +93,22 @@ impl Rotation {
 
     /// The rotation at a time.
     pub fn at(&self, time: Time) -> DMat3 {
+        self.at_cached(time, &mut SegmentCache::default())
+    }
+
+    /// [`Rotation::at`] with the segment that was found for the last of several tracks.
+    pub(super) fn at_cached(&self, time: Time, cache: &mut SegmentCache) -> DMat3 {
         match self {
-            Self::Quaternion(quaternion) => DMat3::from_quat(quaternion.at(time)),
+            Self::Quaternion(quaternion) => DMat3::from_quat(quaternion.at_cached(time, cache)),
             Self::AxisAngle { axis, angle } => {
                 // A keyed axis may pass through zero on its way to the opposite direction.
-                axis_angle(axis.at(time).try_normalize().unwrap_or(DVec3::Y), angle.at(time))
+                let axis = axis.at_cached(time, cache).try_normalize().unwrap_or(DVec3::Y);
+                axis_angle(axis, angle.at_cached(time, cache))
             }
-            Self::Euler { x, y, z } => euler_xyz(x.at(time), y.at(time), z.at(time)),
+            Self::Euler { x, y, z } => {
+                let [x, y, z] = [x, y, z].map(|angle| angle.at_cached(time, cache));
+                euler_xyz(x, y, z)
+            }
         }
     }
 }
@@ -132,17 +140,31 @@ impl TransformTracks {
     /// The map from the object to its parent. A scale of 0 along any axis gives a singular map, which hides the
     /// object.
     pub fn at(&self, time: Time) -> DAffine3 {
-        let (scale, rotation) = (self.scale.at(time), self.rotation.at(time));
-        let mut translation = self.translation.at(time);
-        if let Some(ExplodeOffset { offset, factor }) = &self.explode {
-            translation += *offset * factor.at(time);
-        }
-        let matrix = rotation * DMat3::from_diagonal(scale);
-        // The identity maps the pivot to itself exactly, so pure translations stay exact.
-        let placed =
-            DAffine3::from_mat3_translation(matrix, translation + (self.pivot - matrix * self.pivot));
-        self.motion.as_ref().map_or(placed, |motion| placed * motion.at(time))
+        let turn = about_pivot(self.rotation.at(time), self.scale.at(time), self.pivot);
+        placed(turn, self.translation.at(time), (self.explode.as_ref(), self.motion.as_ref()), time)
     }
+}
+
+/// The matrix of a rotation and a scale about a pivot, and what they add to the translation.
+pub(super) fn about_pivot(rotation: DMat3, scale: DVec3, pivot: DVec3) -> (DMat3, DVec3) {
+    let matrix = rotation * DMat3::from_diagonal(scale);
+    // The identity maps the pivot to itself exactly, so pure translations stay exact.
+    (matrix, pivot - matrix * pivot)
+}
+
+/// The map from the object to its parent, from the parts of [`about_pivot`] and the tracks of the rest.
+#[inline]
+pub(super) fn placed(
+    (matrix, offset): (DMat3, DVec3),
+    mut translation: DVec3,
+    (explode, motion): (Option<&ExplodeOffset>, Option<&Motion>),
+    time: Time,
+) -> DAffine3 {
+    if let Some(ExplodeOffset { offset, factor }) = explode {
+        translation += *offset * factor.at(time);
+    }
+    let placed = DAffine3::from_mat3_translation(matrix, translation + offset);
+    motion.map_or(placed, |motion| placed * motion.at(time))
 }
 
 #[cfg(test)]

@@ -6,9 +6,9 @@ use crate::appearance::fog::Fog;
 use crate::appearance::light::{Light, Source};
 use crate::appearance::material::{Material, MaterialBinding};
 use crate::base::math::{DAffine3, DVec3};
+use crate::geometry::prepared_transform::PreparedTransform;
 use crate::geometry::shape::{Shape, Solid};
 use crate::geometry::table_rows::TableRow;
-use crate::geometry::transform::TransformTracks;
 use crate::world::{
     AreaLight, ClipPlanes, Current, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, Slot, Transform,
     Visible, Weight,
@@ -31,7 +31,7 @@ pub fn geometry_changed(
 type ObjectChange = Or<(
     Changed<ClipPlanes>,
     Changed<TableRow>,
-    (With<TransformTracks>, Or<(Changed<Transform>, Changed<Visible>)>),
+    (With<PreparedTransform>, Or<(Changed<Transform>, Changed<Visible>)>),
     (Or<(With<ShapeSeries>, With<ShapeDeformed>, With<ShapeParticles>)>, Changed<Shape>),
 )>;
 type LightChange = (With<AreaLight>, Changed<Light>);

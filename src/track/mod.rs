@@ -6,14 +6,17 @@
 
 mod ease;
 mod interpolate;
+mod segment;
 mod spline;
 mod switch;
 
 pub use ease::Ease;
 pub use interpolate::{Animate, LogScale, Modes};
+pub use segment::SegmentCache;
 pub use switch::Switch;
 
-use crate::base::time::{Fraction, Time, is_after, is_same};
+use crate::base::time::{Fraction, Time};
+use segment::Segment;
 use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
@@ -56,13 +59,17 @@ pub enum Repeat {
 /// Keys in strictly increasing order of time; at least one. Clones share them.
 #[derive(Clone, Debug, PartialEq)]
 #[warn(missing_docs)]
-pub struct Track<T> {
-    keys: Arc<[Key<T>]>,
+pub struct Track<T>(Arc<Keys<T>>);
+
+/// Behind one pointer: objects have many values that seldom have keys.
+#[derive(Clone, Debug, PartialEq)]
+struct Keys<T> {
+    keys: Box<[Key<T>]>,
     repeat: Repeat,
     /// Whether splines treat the first and the last key, which have the same value, as one point.
     closed: bool,
     /// For each segment between two keys its tangents at both ends, times its length; empty without such curves.
-    curves: Arc<[[T; 2]]>,
+    curves: Box<[[T; 2]]>,
 }
 
 /// Why keys are not a track. The numbers are indices of keys.
@@ -96,28 +103,31 @@ impl<T: Animate> Track<T> {
         if let Some(before) = keys.windows(2).position(|pair| pair[1].time <= pair[0].time) {
             return Err(TrackError::NotAscending(before + 1));
         }
-        Ok(Self { keys: keys.into(), repeat, closed, curves: Arc::from([]) })
+        Ok(Self(Arc::new(Keys { keys: keys.into(), repeat, closed, curves: Box::default() })))
     }
 
     /// Bends the segments between keys, except those that step: cubic Hermite curves with these tangents at both ends,
     /// times the length of the segment. Without tangents, or with another number of them, nothing changes.
-    pub fn with_curves(self, curves: Vec<[T; 2]>) -> Self {
-        let curves = if curves.len() + 1 == self.keys.len() { curves } else { Vec::new() };
-        Self { curves: curves.into(), ..self }
+    pub fn with_curves(mut self, curves: Vec<[T; 2]>) -> Self {
+        let curves = if curves.len() + 1 == self.0.keys.len() { curves } else { Vec::new() };
+        Arc::make_mut(&mut self.0).curves = curves.into();
+        self
     }
 
     /// The same track with changed values and without curves. The change must keep the times.
     pub fn map(self, change: impl Fn(Key<T>) -> Key<T>) -> Self {
-        Self { keys: self.keys.iter().cloned().map(change).collect(), curves: Arc::from([]), ..self }
+        let Keys { keys, repeat, closed, .. } = &*self.0;
+        let keys = keys.iter().cloned().map(change).collect();
+        Self(Arc::new(Keys { keys, repeat: *repeat, closed: *closed, curves: Box::default() }))
     }
 
     /// The times of keys from a time to another, those of all rounds if keys repeat, in increasing order; at most about
     /// `most`.
     pub fn key_times(&self, [from, to]: [Time; 2], most: usize) -> Vec<Time> {
         let zero = Time::from_integer(0);
-        let (first, last) = (self.keys[0].time, self.keys[self.keys.len() - 1].time);
+        let (first, last) = (self.0.keys[0].time, self.0.keys[self.0.keys.len() - 1].time);
         let span = last - first;
-        let rounds = match self.repeat {
+        let rounds = match self.0.repeat {
             Repeat::Hold => 0..=0,
             _ if span == zero => 0..=0,
             _ => ((from - first) / span).floor().to_integer()..=((to - first) / span).floor().to_integer(),
@@ -125,8 +135,8 @@ impl<T: Animate> Track<T> {
         let mut times: Vec<Time> = Vec::new();
         for round in rounds {
             let start = span * Time::from_integer(round);
-            let backwards = self.repeat == Repeat::PingPong && round.rem_euclid(2) == 1;
-            let mut keys: Vec<Time> = self.keys.iter().map(|key| key.time).collect();
+            let backwards = self.0.repeat == Repeat::PingPong && round.rem_euclid(2) == 1;
+            let mut keys: Vec<Time> = self.0.keys.iter().map(|key| key.time).collect();
             if backwards {
                 keys = keys.into_iter().rev().map(|time| first + last - time).collect();
             }
@@ -141,17 +151,17 @@ impl<T: Animate> Track<T> {
 
     /// The keys, in the order of their times.
     pub fn keys(&self) -> &[Key<T>] {
-        &self.keys
+        &self.0.keys
     }
 
     /// What the track does outside its keys.
     pub fn repeat(&self) -> Repeat {
-        self.repeat
+        self.0.repeat
     }
 
     /// The tangents of segment `from`, as in [`Track::with_curves`].
     pub fn curve(&self, from: usize) -> Option<&[T; 2]> {
-        self.curves.get(from)
+        self.0.curves.get(from)
     }
 
     /// The most that curves lead beyond the values of keys: `size` is a norm of values and tangents.
@@ -160,26 +170,27 @@ impl<T: Animate> Track<T> {
     /// s³ - s², which are at most 4/27 in size.
     pub fn overshoot(&self, size: impl Fn(&T) -> f64) -> f64 {
         let beyond = |[leaving, arriving]: &[T; 2]| 4.0 / 27.0 * (size(leaving) + size(arriving));
-        self.curves.iter().map(beyond).fold(0.0, f64::max)
+        self.0.curves.iter().map(beyond).fold(0.0, f64::max)
     }
 
     /// The value at `time`. A key takes effect exactly at its time.
     pub fn at(&self, time: Time) -> T {
-        let time = self.folded(time);
-        let next = self.keys.partition_point(|key| !is_after(key.time, time));
-        let Some(from) = next.checked_sub(1) else { return self.keys[0].value.clone() };
-        let (a, Some(b)) = (&self.keys[from], self.keys.get(next)) else {
-            return self.keys[from].value.clone();
+        self.at_cached(time, &mut SegmentCache::default())
+    }
+
+    /// [`Track::at`] with the segment that was found for the last of several tracks.
+    #[inline]
+    pub(crate) fn at_cached(&self, time: Time, cache: &mut SegmentCache) -> T {
+        let (from, s) = match cache.find(&self.0.keys, self.folded(time)) {
+            // Curves meet their ends only up to rounding. Return the exact value at a key, so that a last key that
+            // repeats the first gives the same state.
+            Segment::At(key) => return self.0.keys[key].value.clone(),
+            Segment::After(from, s) => (from, s),
         };
-        // Curves meet their ends only up to rounding. Return the exact value at a key, so that a last key that
-        // repeats the first gives the same state.
-        if is_same(time, a.time) {
-            return a.value.clone();
-        }
-        let s = Fraction::between(time, a.time, b.time);
+        let (a, b) = (&self.0.keys[from], &self.0.keys[from + 1]);
         match a.ease {
             Ease::Step => a.value.clone(),
-            Ease::Linear if let Some(tangents) = self.curves.get(from) => {
+            Ease::Linear if let Some(tangents) = self.0.curves.get(from) => {
                 T::hermite([&a.value, &b.value], [&tangents[0], &tangents[1]], s.value())
             }
             Ease::Linear => T::mix(&a.value, &b.value, s),
@@ -189,34 +200,36 @@ impl<T: Animate> Track<T> {
     }
 
     /// Maps `time` into the time span of the keys according to `repeat`. Exact, because times are rational.
+    #[inline]
     fn folded(&self, time: Time) -> Time {
-        if self.repeat == Repeat::Hold {
-            return time;
-        }
-        let (first, last) = (self.keys[0].time, self.keys[self.keys.len() - 1].time);
+        if self.0.repeat == Repeat::Hold { time } else { self.repeated(time) }
+    }
+
+    fn repeated(&self, time: Time) -> Time {
+        let (first, last) = (self.0.keys[0].time, self.0.keys[self.0.keys.len() - 1].time);
         let span = last - first;
         if span == Time::from_integer(0) {
             return time;
         }
         let turns = ((time - first) / span).floor();
         let rest = time - first - turns * span;
-        let backwards = self.repeat == Repeat::PingPong && turns.to_integer().rem_euclid(2) == 1;
+        let backwards = self.0.repeat == Repeat::PingPong && turns.to_integer().rem_euclid(2) == 1;
         if backwards { last - rest } else { first + rest }
     }
 
     /// The four values around the segment that starts at key `from`. At an open end, the end itself replaces the
     /// missing neighbour. A closed track wraps around and skips the last key, which repeats the first.
     fn neighbours(&self, from: usize) -> [&T; 4] {
-        let last = self.keys.len() - 1;
+        let last = self.0.keys.len() - 1;
         let before = match from {
-            0 if self.closed => last - 1,
+            0 if self.0.closed => last - 1,
             _ => from.saturating_sub(1),
         };
         let after = match from + 2 {
-            past if past > last && self.closed => 1,
+            past if past > last && self.0.closed => 1,
             past => past.min(last),
         };
-        [before, from, from + 1, after].map(|i| &self.keys[i].value)
+        [before, from, from + 1, after].map(|i| &self.0.keys[i].value)
     }
 }
 
@@ -224,9 +237,15 @@ impl<T: Animate> Track<T> {
 impl<T: Animate> Animated<T> {
     /// The value at a time.
     pub fn at(&self, time: Time) -> T {
+        self.at_cached(time, &mut SegmentCache::default())
+    }
+
+    /// [`Animated::at`] with the segment that was found for the last of several tracks.
+    #[inline]
+    pub(crate) fn at_cached(&self, time: Time, cache: &mut SegmentCache) -> T {
         match self {
             Self::Constant(value) => value.clone(),
-            Self::Keyed(track) => track.at(time),
+            Self::Keyed(track) => track.at_cached(time, cache),
         }
     }
 

@@ -8,28 +8,38 @@ use crate::appearance::fog::{Fog, FogTracks};
 use crate::appearance::light::{Light, LightTracks};
 use crate::appearance::light_groups::GroupWeight;
 use crate::appearance::material::{Material, MaterialTracks};
-use crate::base::math::{Aabb, DVec3};
-use crate::base::time::Time;
+use crate::base::math::{Aabb, DAffine3, DVec3};
 use crate::camera::Camera;
 use crate::camera::path::{CameraPath, NoCamera};
 use crate::geometry::clip::moved_into;
 use crate::geometry::mesh::MeshError;
+use crate::geometry::prepared_transform::PreparedTransform;
+use crate::geometry::ray_kinds::RayKinds;
 use crate::geometry::shape::{Particles, Plane, Shape};
 use crate::geometry::table_rows::{RowTrack, TableRow};
-use crate::geometry::transform::TransformTracks;
 use crate::import::series::StepError;
+use crate::track::SegmentCache;
 use crate::world::{
     ActiveCamera, ClipPlanes, ClippedBy, Current, Hierarchy, Now, Objects, ShapeDeformed, ShapeParticles,
-    ShapeSeries, ShapeUse, ShownWith, Transform, Visible, VisibleTracks, Weight,
+    ShapeSeries, ShapeUse, ShownWith, Transform, Visible, VisibleOverTime, Weight,
 };
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::entity::Entity;
 use bevy_ecs::hierarchy::ChildOf;
-use bevy_ecs::system::{Query, Res, ResMut};
+use bevy_ecs::query::Without;
+use bevy_ecs::system::{ParamSet, Query, Res, ResMut};
 use std::sync::Arc;
 
 /// Objects that cannot move have none.
-type Tracks = (&'static TransformTracks, &'static VisibleTracks);
+type Tracks = (&'static PreparedTransform, &'static VisibleOverTime);
+
+/// What follows tracks.
+type Placed = (&'static mut Transform, &'static mut Visible);
+
+/// Objects that may move and depend on no others.
+type IndependentMovers<'w, 's> = Query<'w, 's, (Placed, Tracks), (Without<ChildOf>, Without<ShownWith>)>;
+
+type AllObjects<'w, 's> = Query<'w, 's, (Placed, Option<Tracks>)>;
 
 /// What an object inherits from: its parent, and the object that it is shown with.
 type Above = (Option<&'static ChildOf>, Option<&'static ShownWith>);
@@ -38,33 +48,37 @@ type Above = (Option<&'static ChildOf>, Option<&'static ShownWith>);
 pub fn transforms(
     now: Res<Now>,
     hierarchy: Res<Hierarchy>,
-    mut objects: Query<(&mut Transform, &mut Visible, Option<Tracks>)>,
+    mut objects: ParamSet<(IndependentMovers, AllObjects)>,
     above: Query<Above>,
 ) {
+    let (time, mut cache) = (now.0.time, SegmentCache::default());
+    // In the order of memory.
+    for ((mut transform, mut visible), (tracks, own)) in &mut objects.p0() {
+        transform.set_if_neq(Transform(tracks.at(time, &mut cache)));
+        visible.set_if_neq(Visible(own.at(time)));
+    }
+    let mut objects = objects.p1();
     for &object in &hierarchy.0 {
         let (parent, shown_with) = above.get(object).unwrap_or_default();
         let parent = parent.and_then(|&ChildOf(parent)| objects.get(parent).ok());
-        let parent = parent.map(|(transform, visible, _)| (*transform, *visible));
+        let parent = parent.map(|((transform, visible), _)| (*transform, *visible));
         let other = shown_with.and_then(|&ShownWith(other)| objects.get(other).ok());
-        let other = other.map(|(_, visible, _)| *visible);
-        let Ok((mut transform, mut visible, Some((tracks, visible_tracks)))) = objects.get_mut(object) else {
+        let other = other.map(|((_, visible), _)| *visible);
+        let Ok(((mut transform, mut visible), Some((tracks, own)))) = objects.get_mut(object) else {
             continue;
         };
-        let (affine, shown) = placed(tracks, visible_tracks, (parent, other), now.0.time);
+        let (affine, shown) = placed((tracks.at(time, &mut cache), own.at(time)), (parent, other));
         transform.set_if_neq(affine);
         visible.set_if_neq(shown);
     }
 }
 
-/// World transform and visibility of an object, from those of its parent, and from the visibility of the object with which
-/// alone it is visible.
+/// World transform and visibility of an object, from its own, those of its parent, and the visibility of the object with
+/// which alone it is visible.
 pub(super) fn placed(
-    tracks: &TransformTracks,
-    visible: &VisibleTracks,
+    (affine, visible): (DAffine3, RayKinds),
     (parent, other): (Option<(Transform, Visible)>, Option<Visible>),
-    time: Time,
 ) -> (Transform, Visible) {
-    let (affine, visible) = (tracks.at(time), visible.at(time));
     let visible = other.map_or(visible, |other| visible.and(other.0));
     match parent {
         Some((outer, shown)) => (Transform(outer.0 * affine), Visible(shown.0.and(visible))),

@@ -29,8 +29,34 @@ impl Visible {
     }
 }
 
-/// An object's own visibility over time.
+/// An object's own visibility over time, of those that may move.
 #[derive(Clone, Component, Debug)]
+pub enum VisibleOverTime {
+    Constant(RayKinds),
+    Keyed(Box<VisibleTracks>),
+}
+
+impl VisibleOverTime {
+    pub fn at(&self, time: Time) -> RayKinds {
+        match self {
+            Self::Constant(rays) => *rays,
+            Self::Keyed(tracks) => tracks.at(time),
+        }
+    }
+}
+
+impl From<VisibleTracks> for VisibleOverTime {
+    fn from(tracks: VisibleTracks) -> Self {
+        if tracks.is_keyed() {
+            Self::Keyed(Box::new(tracks))
+        } else {
+            Self::Constant(tracks.at(Time::from_integer(0)))
+        }
+    }
+}
+
+/// An object's own visibility over time.
+#[derive(Clone, Debug)]
 pub struct VisibleTracks {
     pub visible: Animated<bool>,
     pub rays: RayVisibility,

@@ -11,7 +11,7 @@ mod spawn;
 
 pub use components::{
     AreaLight, ClipPlanes, ClippedBy, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, ShownWith, Slot,
-    Transform, Visible, VisibleTracks, Weight,
+    Transform, Visible, VisibleOverTime, VisibleTracks, Weight,
 };
 pub use resources::{ActiveCamera, Current, Hierarchy, LightSetup, Now, Objects, ShapeUse, SlotCount};
 pub use spawn::{sky_table, spawn};

@@ -25,7 +25,7 @@ pub enum ShapeUse {
     Rays,
 }
 
-/// Objects that may move, each after those that it depends on: its parent and the object that it is shown with.
+/// Objects that may move and depend on others, each after these: its parent and the object that it is shown with.
 #[derive(Clone, Debug, Default, Resource)]
 pub struct Hierarchy(pub Vec<Entity>);
 

@@ -3,7 +3,7 @@
 use super::{
     ActiveCamera, AreaLight, ClipPlanes, ClippedBy, FileOrder, Hierarchy, LightSetup, Now, Objects,
     ShapeDeformed, ShapeParticles, ShapeSeries, ShownWith, Slot, SlotCount, Transform, Visible,
-    VisibleTracks, Weight, animate,
+    VisibleOverTime, VisibleTracks, Weight, animate,
 };
 use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
@@ -12,6 +12,7 @@ use crate::base::color::Rgb;
 use crate::base::math::{DAffine3, UpAxis};
 use crate::film::LayerId;
 use crate::geometry::clip::ClipPlane;
+use crate::geometry::prepared_transform::PreparedTransform;
 use crate::geometry::ray_kinds::RayKinds;
 use crate::geometry::shape::Shape;
 use crate::sequence::{LightLayers, Named, Object, Sequence, ShapeTracks};
@@ -142,7 +143,7 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
         let visible = visibility(&objects[index].value);
         let outer = parent.map(|parent| placed[parent]).or(root);
         let node = skin_of.map(|node| placed[node].1);
-        placed[index] = animate::placed(transform, &visible, (outer, node), start);
+        placed[index] = animate::placed((transform.at(start), visible.at(start)), (outer, node));
         let keyed = transform.is_keyed() || visible.is_keyed();
         moves[index] = keyed || parent.iter().chain(skin_of).any(|&above| moves[above]);
     }
@@ -171,24 +172,31 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
             }
         }
         if moves[index] {
-            entity.insert((object.transform.clone(), visibility(object)));
+            entity.insert((
+                PreparedTransform::from(&object.transform),
+                VisibleOverTime::from(visibility(object)),
+            ));
         }
         entities.push(entity.id());
     }
     spawn_cuts(world, objects, &entities);
     let root = root.map(|root| world.spawn(root).id());
-    let movers: Vec<usize> = order.into_iter().filter(|&index| moves[index]).collect();
-    for &index in &movers {
+    let mut hierarchy = Vec::new();
+    for index in order.into_iter().filter(|&index| moves[index]) {
         let Object { parent, skin_of, .. } = &objects[index].value;
         let mut entity = world.entity_mut(entities[index]);
-        if let Some(parent) = parent.map(|parent| entities[parent]).or(root) {
+        let parent = parent.map(|parent| entities[parent]).or(root);
+        if let Some(parent) = parent {
             entity.insert(ChildOf(parent));
         }
         if let Some(node) = *skin_of {
             entity.insert(ShownWith(entities[node]));
         }
+        if parent.is_some() || skin_of.is_some() {
+            hierarchy.push(entities[index]);
+        }
     }
-    world.insert_resource(Hierarchy(movers.into_iter().map(|index| entities[index]).collect()));
+    world.insert_resource(Hierarchy(hierarchy));
     world.insert_resource(Objects(entities));
     world.insert_resource(SlotCount(slots.0));
 }

@@ -3,19 +3,29 @@
 use super::{DAffine3, DMat3, DVec3, dot_plus};
 
 /// The inverse of an affine map, refined once. None if the map is singular or not finite.
+#[inline]
 pub fn inverse(affine: &DAffine3) -> Option<DAffine3> {
+    if is_identity(&affine.matrix3) {
+        // A constant matrix, which goes through no memory.
+        let translation = -(DMat3::IDENTITY * affine.translation);
+        return translation.is_finite().then_some(DAffine3 { matrix3: DMat3::IDENTITY, translation });
+    }
     let matrix3 = inverse_matrix(affine.matrix3)?;
     let inverse = DAffine3 { matrix3, translation: -(matrix3 * affine.translation) };
     inverse.is_finite().then_some(inverse)
 }
 
+/// Whether a matrix is the identity, bit for bit, as those of most objects are: they are only moved. A negative zero is
+/// left to general formulas, which may keep it.
+#[inline]
+pub fn is_identity(m: &DMat3) -> bool {
+    // Without branches.
+    let pairs = m.to_cols_array().into_iter().zip(DMat3::IDENTITY.to_cols_array());
+    pairs.fold(0, |differs, (own, identity)| differs | own.to_bits() ^ identity.to_bits()) == 0
+}
+
 /// The inverse of a matrix, refined once. None if it is singular or not finite.
 fn inverse_matrix(m: DMat3) -> Option<DMat3> {
-    // Most objects are only moved. A negative zero is left to the general case, which may keep it.
-    let mut pairs = m.to_cols_array().into_iter().zip(DMat3::IDENTITY.to_cols_array());
-    if pairs.all(|(own, identity)| own.to_bits() == identity.to_bits()) {
-        return Some(m);
-    }
     let determinant = m.determinant();
     if determinant == 0.0 || !determinant.is_finite() {
         return None;
