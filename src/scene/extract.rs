@@ -74,7 +74,7 @@ pub fn geometry(
         // A deformed mesh without an area is a group for that moment.
         let shows = !visible.is_hidden() && !matches!(shape, Shape::Group);
         let cut = cut.filter(|_| shows).map(|cut| Shape::Solid(Solid::cut(shape, cut.0.iter().copied())));
-        let content = (cut.as_ref().unwrap_or(shape), at.0, Finish::Material(*of));
+        let content = (cut.as_ref().unwrap_or(shape), &at.0, Finish::Material(*of));
         packed.set_seen(slot.0 as usize, shows.then_some(content), visible.0);
         packed.set_row(slot.0 as usize, row.filter(|_| shows));
     };

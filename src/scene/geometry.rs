@@ -7,7 +7,7 @@ use super::primitive::{Finish, Primitive};
 use super::surfaces::SurfaceTable;
 use crate::appearance::texture::{Footprint, TextureEvalContext, TextureInputs};
 use crate::base::digest::{Content, Digest, Digester};
-use crate::base::math::{DAffine3, DVec2, DVec3, absolute, inverse};
+use crate::base::math::{DAffine3, DMat3, DVec2, DVec3, absolute, inverse};
 use crate::geometry::mesh::ArrayKey;
 use crate::geometry::ray_kinds::{RayKind, RayKinds};
 use crate::geometry::shape::{Mesh, Particles, Shape, Surface};
@@ -123,36 +123,42 @@ impl Geometry {
     /// Sets the content of a slot: a shape transformed by `to_world`. The slot is empty if there is no shape, or if
     /// the transform flattens it. Nothing is written if that changes nothing.
     pub fn set(&mut self, slot: usize, content: Option<(&Shape, DAffine3, Finish)>) {
+        let content = content.as_ref().map(|(shape, to_world, finish)| (*shape, to_world, *finish));
         self.set_seen(slot, content, RayKinds::ALL);
     }
 
     /// [`Geometry::set`] of what only some rays see.
-    pub fn set_seen(&mut self, slot: usize, content: Option<(&Shape, DAffine3, Finish)>, rays: RayKinds) {
-        let invertible = content.and_then(|(shape, to_world, finish)| {
-            inverse(&to_world).map(|to_object| (shape, to_world, to_object, finish))
-        });
-        // Shapes are large, so they are moved and cloned as rarely as possible: most objects keep theirs.
-        let (shape, to_object, primitive) = match invertible {
-            Some((shape, to_world, to_object, finish)) => {
-                let primitive = Primitive::placed(shape, to_world, &to_object, finish);
-                (shape, to_object, Primitive { rays, ..primitive })
+    pub fn set_seen(&mut self, slot: usize, content: Option<(&Shape, &DAffine3, Finish)>, rays: RayKinds) {
+        const UNMOVED: &DAffine3 = &DAffine3::IDENTITY;
+        match content.and_then(|content| Some((content, inverse(content.1)?))) {
+            Some(((shape, to_world, finish), to_object)) => {
+                self.place(slot, shape, (to_world, &to_object), (finish, rays));
             }
-            None => (&Shape::Group, DAffine3::IDENTITY, Primitive::EMPTY),
-        };
-        let origin = &mut self.origins[slot];
-        let keeps_shape = origin.shape == *shape;
-        let is_changed = self.primitives[slot] != primitive;
-        if !is_changed && keeps_shape && origin.to_object == to_object {
-            return;
+            None => self.place(slot, &Shape::Group, (UNMOVED, UNMOVED), (Finish::Empty, RayKinds::ALL)),
         }
-        origin.to_object = to_object;
-        if !keeps_shape {
+    }
+
+    /// Sets the content of a slot, with the transform and its inverse. Shapes and transforms are large, so they are moved
+    /// and cloned as rarely as possible: most objects keep their shapes.
+    #[inline]
+    fn place(
+        &mut self,
+        slot: usize,
+        shape: &Shape,
+        (to_world, to_object): (&DAffine3, &DAffine3),
+        look: (Finish, RayKinds),
+    ) {
+        let origin = &mut self.origins[slot];
+        let (has_shape, has_place) = (origin.shape == *shape, origin.to_object == *to_object);
+        if !has_shape {
             origin.shape = shape.clone();
         }
-        if is_changed {
-            self.replace(slot, primitive);
+        if !has_place {
+            origin.to_object = *to_object;
         }
-        self.journal.note(slot as u32);
+        if self.replace(slot, shape, (to_world, &to_object.matrix3), look) || !has_shape || !has_place {
+            self.journal.note(slot as u32);
+        }
     }
 
     /// Sets the numbers of a table that the object of a slot has. Nothing is written if that changes nothing.
@@ -163,21 +169,35 @@ impl Geometry {
         }
     }
 
-    fn replace(&mut self, slot: usize, primitive: Primitive) {
-        let (before, after) = (self.finishes[slot], primitive.finish);
-        if before != after {
-            self.count(after, UseCounts::add);
-            self.count(before, UseCounts::remove);
-            self.finishes[slot] = after;
+    /// Replaces a primitive by a placed shape. Returns whether it differs.
+    fn replace(
+        &mut self,
+        slot: usize,
+        shape: &Shape,
+        place: (&DAffine3, &DMat3),
+        look: (Finish, RayKinds),
+    ) -> bool {
+        let primitive = &mut self.primitives[slot];
+        let (finish_before, rays_before) = (primitive.finish, primitive.rays);
+        if !primitive.replace(shape, place, look) {
+            return false;
         }
-        self.surfaces.set(slot, &primitive);
-        for kind in RayKind::ALL {
-            let hidden = &mut self.hidden[kind.index()];
-            *hidden += u32::from(!primitive.rays.has(kind));
-            *hidden -= u32::from(!self.primitives[slot].rays.has(kind));
-        }
-        self.primitives[slot] = primitive;
+        self.surfaces.set(slot, primitive);
         self.replaced += 1;
+        let (finish, rays) = look;
+        if finish_before != finish {
+            self.count(finish, UseCounts::add);
+            self.count(finish_before, UseCounts::remove);
+            self.finishes[slot] = finish;
+        }
+        if rays_before != rays {
+            for kind in RayKind::ALL {
+                let hidden = &mut self.hidden[kind.index()];
+                *hidden += u32::from(!rays.has(kind));
+                *hidden -= u32::from(!rays_before.has(kind));
+            }
+        }
+        true
     }
 
     fn count(&mut self, finish: Finish, count: fn(&mut UseCounts, u32)) {

@@ -4,7 +4,7 @@ use super::instance_transform::{InstanceTransform, transformed};
 use crate::appearance::material::MaterialBinding;
 use crate::base::digest::Content;
 use crate::base::lanes::{Level, Mask, Real, Select, Vec3, out_of_line};
-use crate::base::math::{Aabb, DAffine3, LaneRay, Ray, inverse};
+use crate::base::math::{Aabb, DAffine3, DMat3, LaneRay, Ray, inverse};
 use crate::geometry::bvh::{Stack, TraversalRay};
 use crate::geometry::ray_kinds::{RayKind, RayKinds};
 use crate::geometry::shape::{
@@ -51,18 +51,39 @@ impl Primitive {
 
     /// A shape transformed by `to_world`. None if that flattens it: a scale of 0 hides an object.
     pub fn new(shape: &Shape, to_world: DAffine3, finish: Finish) -> Option<Self> {
-        inverse(&to_world).map(|to_object| Self::placed(shape, to_world, &to_object, finish))
+        let mut primitive = Self::EMPTY;
+        primitive.replace(shape, (&to_world, &inverse(&to_world)?.matrix3), (finish, RayKinds::ALL));
+        Some(primitive)
     }
 
-    /// [`Primitive::new`] with the inverse of the transform.
-    pub(super) fn placed(shape: &Shape, to_world: DAffine3, to_object: &DAffine3, finish: Finish) -> Self {
-        match shape.transformed(&to_world) {
-            Some(shape) => Self { shape, transform: None, finish, rays: RayKinds::ALL },
+    /// Replaces the primitive by a shape transformed by `to_world`, whose inverse for directions is `back`. Returns whether
+    /// it differs.
+    pub(super) fn replace(
+        &mut self,
+        shape: &Shape,
+        (to_world, back): (&DAffine3, &DMat3),
+        (finish, rays): (Finish, RayKinds),
+    ) -> bool {
+        let mut differs = self.finish != finish || self.rays != rays;
+        (self.finish, self.rays) = (finish, rays);
+        match shape.transformed(to_world) {
+            Some(shape) => {
+                differs |= self.transform.take().is_some();
+                if self.shape != shape {
+                    (self.shape, differs) = (shape, true);
+                }
+            }
             None => {
-                let transform = Some(Box::new(InstanceTransform::new(shape, to_world, to_object.matrix3)));
-                Self { shape: shape.clone(), transform, finish, rays: RayKinds::ALL }
+                let transform = InstanceTransform::new(shape, *to_world, *back);
+                if self.transform.as_deref() != Some(&transform) {
+                    (self.transform, differs) = (Some(Box::new(transform)), true);
+                }
+                if self.shape != *shape {
+                    (self.shape, differs) = (shape.clone(), true);
+                }
             }
         }
+        differs
     }
 
     /// Whether the slot is empty: its object is hidden or flattened.
@@ -231,6 +252,7 @@ impl Primitive {
     }
 
     /// The bounds in the world; none if the primitive is infinite.
+    #[inline]
     pub fn bounds(&self) -> Option<Aabb> {
         let bounds = self.shape.bounds()?;
         Some(self.transform.as_ref().map_or(bounds, |transform| bounds.transformed(&transform.to_world)))

@@ -4,7 +4,7 @@ use super::{LaneSurface, flat};
 use crate::base::digest::Content;
 use crate::base::lanes::{Real, Vec3};
 use crate::base::math::{
-    Angle, DAffine3, DMat3, DVec2, DVec3, LaneRay, UNIT_ROUNDOFF, atan2, gamma, perpendicular,
+    Angle, DAffine3, DMat3, DVec2, DVec3, LaneRay, UNIT_ROUNDOFF, atan2, gamma, is_identity, perpendicular,
 };
 use std::f64::consts::TAU;
 
@@ -134,6 +134,9 @@ pub fn away_from_axis<F: Real>(v: Vec3<F>) -> [F; 2] {
 /// The uniform scale factor of `affine`; none if the scale is not uniform.
 pub fn even_scale(affine: &DAffine3) -> Option<f64> {
     let m = affine.matrix3;
+    if is_identity(&m) {
+        return Some(1.0);
+    }
     let gram = m.transpose() * m;
     let square = gram.x_axis.x;
     // A difference above the rounding of the product: not uniform.

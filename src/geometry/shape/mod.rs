@@ -110,6 +110,8 @@ macro_rules! shapes {
             }
 
             /// The shape transformed by an affine map; none if the result is not in its class.
+            // Passed through memory, the result takes longer to read than to compute.
+            #[inline(always)]
             pub fn transformed(&self, affine: &DAffine3) -> Option<Self> {
                 if *affine == DAffine3::IDENTITY {
                     return Some(self.clone());
@@ -262,6 +264,7 @@ impl Shape {
     }
 
     /// See [`Geometric::bounds`]; none for groups too.
+    #[inline]
     pub fn bounds(&self) -> Option<Aabb> {
         each_shape!(self, shape => shape.bounds(), Group => None)
     }

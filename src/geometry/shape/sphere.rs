@@ -56,6 +56,7 @@ impl Geometric for Sphere {
         SphereLanes::splat(self).surface(ray, at.t)
     }
 
+    #[inline]
     fn bounds(&self) -> Option<Aabb> {
         let reach = DVec3::splat(self.radius);
         let rounding = (self.center.abs() + reach) * gamma(2);
