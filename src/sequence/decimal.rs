@@ -66,12 +66,40 @@ fn power_of_ten(text: &str) -> Option<i64> {
 
 /// Whether the text is a decimal number of any size.
 pub fn is_decimal(text: &str) -> bool {
-    parts(text).is_some()
+    is_plain(text) || parts(text).is_some()
+}
+
+/// Whether the text is a number of digits with at most one point and a sign, as most are. Copies nothing.
+fn is_plain(text: &str) -> bool {
+    let (mut digits, mut points) = (0, 0);
+    for byte in text.strip_prefix(['+', '-']).unwrap_or(text).bytes() {
+        match byte {
+            b'0'..=b'9' => digits += 1,
+            b'.' => points += 1,
+            _ => return false,
+        }
+    }
+    digits > 0 && points < 2
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The short way to the answer gives that of the long one.
+    #[test]
+    fn plain_numbers_are_decimal() {
+        let mut plain = 0;
+        for text in [
+            "", ".", "+", "-", "-.", "5", "+5.", "-.5", "0.25", "1.2.3", "--1", "-+1", "1-", "1e5", "1_0",
+            "½", "5 ",
+        ] {
+            assert!(!is_plain(text) || parts(text).is_some(), "{text}");
+            assert_eq!(is_decimal(text), parts(text).is_some(), "{text}");
+            plain += u32::from(is_plain(text));
+        }
+        assert_eq!(plain, 4);
+    }
 
     #[test]
     fn decimals_are_exact() {

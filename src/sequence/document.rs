@@ -164,10 +164,9 @@ fn cameras(
         .into_iter()
         .map(|(Named { name, value }, place)| (Named { name: unique.take(name), value }, place))
         .unzip();
-    let own = several.len().max(usize::from(fields.has("camera")));
     let further = carried.iter().map(|camera| camera.name.as_str());
     let single_name = (fields.has("camera") && !carried.is_empty()).then_some(SINGLE);
-    let names = Names::new("camera", &several).and(0, single_name.into_iter()).and(own, further);
+    let names = Names::new("camera", &several).and(single_name.into_iter()).and(further);
     let active = active_camera(fields, &names);
     let places = places_of(&several);
     let (list, places) = match (single?, list?) {

@@ -8,6 +8,7 @@ use super::source_file::Form;
 use super::suggest::shortened;
 use super::values::text;
 use super::words::report_unknown;
+use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -34,7 +35,7 @@ pub fn entries<'s>(node: Node<'s>, what: &str) -> Option<Vec<Entry<'s>>> {
             None => all.push(Entry { name: String::new(), key, value }),
         }
     }
-    let mut first: HashMap<&str, Node<'_>> = HashMap::new();
+    let mut first: HashMap<&str, Node<'_>> = HashMap::with_capacity(all.len());
     for Entry { name, key, .. } in all.iter().filter(|entry| !entry.name.is_empty()) {
         if let Some(before) = first.insert(name, *key) {
             let title = format!("two {what}s are named `{}`", shortened(name));
@@ -78,27 +79,21 @@ pub fn decoded<T>(values: Vec<Option<T>>) -> Option<Vec<T>> {
 pub struct Names<'n> {
     what: &'static str,
     in_order: Vec<&'n str>,
-    indices: HashMap<&'n str, usize>,
+    /// Hashed when a name is looked up first: most files refer to few names, or to none.
+    indices: OnceCell<HashMap<&'n str, usize>>,
     /// Entries whose own entries could not be read. Names behind theirs and a `/` may be right.
     unread: Vec<&'n str>,
 }
 
 impl<'n> Names<'n> {
     pub fn new(what: &'static str, entries: &'n [Entry<'_>]) -> Self {
-        let in_order: Vec<&str> = entries.iter().map(|entry| entry.name.as_str()).collect();
-        let indices = in_order.iter().enumerate().map(|(index, name)| (*name, index)).collect();
-        // Entries with an invalid name have an empty one.
-        let in_order = in_order.into_iter().filter(|name| !name.is_empty()).collect();
-        Self { what, in_order, indices, unread: Vec::new() }
+        Self::of(what, entries.iter().map(|entry| entry.name.as_str()))
     }
 
-    /// Adds further names behind `count` entries.
-    pub fn and(mut self, count: usize, names: impl Iterator<Item = &'n str>) -> Self {
-        for (index, name) in names.enumerate() {
-            self.indices.insert(name, count + index);
-            self.in_order.push(name);
-        }
-        self
+    /// Adds further names behind those of all entries.
+    pub fn and(mut self, names: impl Iterator<Item = &'n str>) -> Self {
+        self.in_order.extend(names);
+        Self { indices: OnceCell::new(), ..self }
     }
 
     /// Entries whose own entries could not be read, which has been reported. Names of these are not reported again.
@@ -108,14 +103,18 @@ impl<'n> Names<'n> {
 
     /// Names in the order of the entries.
     pub fn of(what: &'static str, names: impl Iterator<Item = &'n str>) -> Self {
-        let in_order: Vec<&str> = names.collect();
-        let indices = in_order.iter().enumerate().map(|(index, name)| (*name, index)).collect();
-        Self { what, in_order, indices, unread: Vec::new() }
+        Self { what, in_order: names.collect(), indices: OnceCell::new(), unread: Vec::new() }
+    }
+
+    /// The index of an entry. Entries with an invalid name have an empty one.
+    fn find(&self, name: &str) -> Option<usize> {
+        let hashed = || self.in_order.iter().enumerate().map(|(index, name)| (*name, index)).collect();
+        self.indices.get_or_init(hashed).get(name).copied().filter(|_| !name.is_empty())
     }
 
     /// Whether an entry has this name.
     pub fn has(&self, name: &str) -> bool {
-        !name.is_empty() && self.indices.contains_key(name)
+        self.find(name).is_some()
     }
 
     /// The index of the quoted name at `node`.
@@ -126,10 +125,11 @@ impl<'n> Names<'n> {
     /// [`Names::index`] with a report of its own, which gets the name and the known ones.
     pub fn index_or(&self, node: Node<'_>, report: impl FnOnce(&str, &[&str])) -> Option<usize> {
         let name = text(node)?;
-        let index = self.indices.get(name.as_str()).copied().filter(|_| !name.is_empty());
+        let index = self.find(&name);
         let is_below = |entry: &&str| name.strip_prefix(*entry).is_some_and(|rest| rest.starts_with('/'));
         if index.is_none() && !self.unread.iter().any(is_below) {
-            report(&name, &self.in_order);
+            let known: Vec<&str> = self.in_order.iter().copied().filter(|name| !name.is_empty()).collect();
+            report(&name, &known);
         }
         index
     }

@@ -92,7 +92,7 @@ fn objects(node: Node<'_>, materials: &Names<'_>) -> Option<Vec<Placed>> {
     let mut scenes = Scenes::of(&entries, materials);
     let mut drafts: HashMap<usize, SceneDraft> = std::mem::take(&mut scenes.drafts).into_iter().collect();
     let unread = scenes.unread.iter().map(|index| entries[*index].name.as_str());
-    let names = Names::new("object", &entries).and(entries.len(), scenes.names()).unread(unread);
+    let names = Names::new("object", &entries).and(scenes.names()).unread(unread);
     let read = entries
         .iter()
         .enumerate()

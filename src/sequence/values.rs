@@ -27,7 +27,11 @@ pub fn is_number(node: Node<'_>) -> bool {
 /// A plain decimal number of any size.
 fn decimal(node: Node<'_>) -> Option<f64> {
     let text = node.text();
-    is_decimal(text).then(|| text.replace('_', "").parse().ok()).flatten()
+    match text.contains('_') {
+        _ if !is_decimal(text) => None,
+        true => text.replace('_', "").parse().ok(),
+        false => text.parse().ok(),
+    }
 }
 
 /// Notes for the schema that a plain value is accepted.
