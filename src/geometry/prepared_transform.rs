@@ -116,7 +116,7 @@ mod tests {
         ];
         let scales = [DVec3::ONE.into(), point().into(), keyed([DVec3::ONE, point()])];
         let explodes = [None, Some(ExplodeOffset { offset: point(), factor: keyed([0.0, 1.0]) })];
-        let motions = [None, Some(Motion::new(|time| DAffine3::from_rotation_y(time)))];
+        let motions = [None, Some(Motion::new(DAffine3::from_rotation_y))];
         let pivots = [DVec3::ZERO, zeros, point()];
         let mut cache = SegmentCache::default();
         let bits = |map: DAffine3| map.to_cols_array().map(f64::to_bits);
