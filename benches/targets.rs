@@ -23,6 +23,7 @@ use kinora::base::color::Rgb;
 use kinora::pipeline::schedule::{FilmCollector, FrameLoop};
 use kinora::sequence::quality::{Denoise, NoiseTarget, SampleReuse};
 use kinora::sequence::{Sequence, load};
+use libm::{log2, pow};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::error::Error;
 use std::io::{Write as _, stdout};
@@ -246,7 +247,11 @@ impl Picture {
             let mut values: Vec<f64> = pictures.iter().map(value).collect();
             values.sort_by(f64::total_cmp);
             let middle = values.len() / 2;
-            if values.len() % 2 == 0 { (values[middle - 1] + values[middle]) / 2.0 } else { values[middle] }
+            if values.len().is_multiple_of(2) {
+                (values[middle - 1] + values[middle]) / 2.0
+            } else {
+                values[middle]
+            }
         };
         Self {
             time: of(|at| at.time),
@@ -267,6 +272,6 @@ fn interpolated(pictures: &[Picture], x: fn(&Picture) -> f64, y: fn(&Picture) ->
     let is_before = (x(&pictures[0]) - at) * (x(&pictures[0]) - x(&pictures[1])) > 0.0;
     let pair = pairs.iter().copied().find(|pair| between(pair));
     let pair = pair.unwrap_or(if is_before { pairs[0] } else { pairs[pairs.len() - 1] });
-    let share = (at / x(&pair[0])).ln() / (x(&pair[1]) / x(&pair[0])).ln();
-    y(&pair[0]) * (y(&pair[1]) / y(&pair[0])).powf(share)
+    let share = log2(at / x(&pair[0])) / log2(x(&pair[1]) / x(&pair[0]));
+    y(&pair[0]) * pow(y(&pair[1]) / y(&pair[0]), share)
 }
