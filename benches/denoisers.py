@@ -45,21 +45,21 @@ MOVING, STILLS, MOVING_OPTIONS = "room-moon", 10, ("--integrator", "path")
 
 def sequence(folder, name):
     """A copy of a sequence whose EXR files have the layers that OIDN needs."""
-    copies = folder / "sequences"
-    if not copies.is_dir():
-        shutil.copytree(ROOT / "sequences", copies)
-        shutil.copytree(ROOT / "assets", folder / "assets")
-    path = copies / f"{name}.ron"
+    for part in ("sequences", "assets"):
+        shutil.copytree(ROOT / part, folder / part, dirs_exist_ok=True)
+    path = folder / "sequences" / f"{name}.ron"
     text = path.read_text()
     layers = "exr: (layers: [Normal, Albedo, Samples])"
-    if layers not in text:
-        path.write_text(text.replace("output: (", f"output: ({layers}, ", 1))
+    if "output: (" not in text:
+        sys.exit(f"{name} has no output to which layers could be added")
+    path.write_text(text.replace("output: (", f"output: ({layers}, ", 1))
     return path
 
 
 def render(kinora, folder, name, command, options, output):
-    """Renders a frame or frames, unless they are there."""
-    if not any(folder.glob(output.replace("##", "*"))):
+    """Renders a frame or frames, unless they are all there."""
+    every = [output.replace("##", f"{frame:02}") for frame in range(STILLS)] if "##" in output else [output]
+    if not all((folder / frame).is_file() for frame in every):
         words = [kinora, command, sequence(folder, name), *options, "-s", SIZE, "-q", "-o", folder / output]
         subprocess.run(words, check=True)
 
@@ -113,7 +113,7 @@ def relative_error(picture, references):
 
 
 def compare(kinora, folder, oidn):
-    print("| frame | samples | without | Kinora | OIDN | OIDN, guides denoised | Kinora / OIDN | with its audits |")
+    print("| frame | samples | without | Kinora | OIDN | OIDN, `cleanAux` | Kinora / OIDN | with its audits |")
     print("|---|---|---|---|---|---|---|---|")
     for name, frame, options in FRAMES:
         def shot(samples, seed, *more):
@@ -147,7 +147,7 @@ def flicker(kinora, folder, oidn):
     alike = np.stack([shot[0] for shot in shots("still", "--samples", "16", "--no-denoise")])
     still = (alike == alike[0]).all(axis=(0, 3))
     print(f"\nFlicker of the {100 * still.mean():.0f} % of the pixels that do not change, in % of their light:\n")
-    print("| noise | samples | without | Kinora | OIDN | OIDN, guides denoised |")
+    print("| noise | samples | without | Kinora | OIDN | OIDN, `cleanAux` |")
     print("|---|---|---|---|---|---|")
     for noise, prefix, options in (("varies", "varied", ("--vary-noise",)), ("stays", "steady", ())):
         for samples in SAMPLES[:2]:

@@ -125,13 +125,13 @@ fn compare(file: &str, settings: &Settings) -> Outcome<()> {
     (sequence.quality.denoise, sequence.quality.reuse) = (Denoise::Off, SampleReuse::Off);
     let pool = ThreadPoolBuilder::new().num_threads(1).build()?;
     let frame = Frame::new(&sequence, settings, &pool)?;
-    let target = |seed| frame.target(settings.noise, seed);
-    let first = target(1)?;
+    let mut targets = vec![frame.target(settings.noise, 1)?];
+    let counts = frame.counts_around(&targets[0])?;
     let mut all = vec![Vec::new(); 3];
-    let counts = frame.counts_around(&first)?;
-    let mut targets = Vec::new();
     for seed in 1..=settings.seeds {
-        targets.push(target(seed)?);
+        if seed > 1 {
+            targets.push(frame.target(settings.noise, seed)?);
+        }
         for (pictures, count) in all.iter_mut().zip(&counts) {
             pictures.push(frame.uniform(*count, seed)?);
         }
@@ -267,11 +267,12 @@ impl Picture {
 /// The value `y` of uniform samples where `x` is `at`, on logarithmic axes. Beyond the numbers of samples that were
 /// traced, the line through the nearest two goes on.
 fn interpolated(pictures: &[Picture], x: fn(&Picture) -> f64, y: fn(&Picture) -> f64, at: f64) -> f64 {
-    let between = |pair: &[Picture]| (x(&pair[0]) - at) * (x(&pair[1]) - at) <= 0.0;
-    let pairs: Vec<&[Picture]> = pictures.windows(2).collect();
-    let is_before = (x(&pictures[0]) - at) * (x(&pictures[0]) - x(&pictures[1])) > 0.0;
-    let pair = pairs.iter().copied().find(|pair| between(pair));
-    let pair = pair.unwrap_or(if is_before { pairs[0] } else { pairs[pairs.len() - 1] });
+    let place = |picture: &Picture| (x(picture) - at).signum();
+    let turn = pictures.windows(2).position(|pair| place(&pair[0]) != place(&pair[1]));
+    let distance = |picture: &Picture| log2(x(picture) / at).abs();
+    let last = pictures.len() - 2;
+    let nearest = if distance(&pictures[0]) < distance(&pictures[last + 1]) { 0 } else { last };
+    let pair = &pictures[turn.unwrap_or(nearest)..][..2];
     let share = log2(at / x(&pair[0])) / log2(x(&pair[1]) / x(&pair[0]));
     y(&pair[0]) * pow(y(&pair[1]) / y(&pair[0]), share)
 }

@@ -279,27 +279,26 @@ fn error(summary: &Summary) -> Vec<String> {
     lines
 }
 
-/// Which frames were denoised, if some might have been.
+/// Which frames were denoised, if some might have been. Those of earlier runs may not record it.
 fn denoised(noise: &[(u32, Noise)]) -> Option<String> {
-    let asked = noise.iter().filter_map(|(frame, noise)| Some((*frame, noise.denoised?)));
-    let (denoised, kept): (Vec<_>, Vec<_>) = asked.partition(|(_, denoised)| *denoised);
-    let all = denoised.len() + kept.len();
-    let frames = frame_set::text(&kept.iter().map(|(frame, _)| *frame).collect::<Vec<_>>());
-    Some(match (kept.len(), all) {
-        (_, 0) => return None,
-        (0, 1) => "denoised".to_owned(),
-        (0, _) => format!("denoised all {} frames", units::count(all as u64)),
-        (1, 1) => format!("not denoised: the frame kept its samples, {CHEAPER}"),
-        (few, _) => {
-            let [denoised, all] = [denoised.len(), all].map(|frames| units::count(frames as u64));
+    let frames = |denoised: bool| {
+        let like = noise.iter().filter(move |(_, noise)| noise.denoised == Some(denoised));
+        like.map(|(frame, _)| *frame).collect::<Vec<_>>()
+    };
+    let (denoised, kept) = (frames(true).len(), frames(false));
+    let [done, all] = [denoised, noise.len()].map(|frames| units::count(frames as u64));
+    Some(match (denoised, kept.len(), noise.len()) {
+        (0, 0, _) => return None,
+        (1, 0, 1) => "denoised".to_owned(),
+        (_, 0, frames) if denoised == frames => format!("denoised all {all} frames"),
+        (_, 0, _) => format!("denoised {done} of {all} frames"),
+        (_, 1, 1) => "not denoised: the frame kept its samples".to_owned(),
+        (_, few, _) => {
             let (noun, its) = if few == 1 { ("frame", "its") } else { ("frames", "their") };
-            format!("denoised {denoised} of {all} frames; {noun} {frames} kept {its} samples, {CHEAPER}")
+            format!("denoised {done} of {all} frames; {noun} {} kept {its} samples", frame_set::text(&kept))
         }
     })
 }
-
-/// Why a frame keeps its samples.
-const CHEAPER: &str = "which was cheaper";
 
 fn noise(frames: &[(u32, Noise)]) -> Map<String, Value> {
     let of = |(frame, noise): &(u32, Noise)| {
@@ -470,15 +469,13 @@ dropped undefined   2
         let (yes, no) = (Some(true), Some(false));
         for (frames, wanted) in [
             (&[yes][..], "denoised"),
-            (&[no], "not denoised: the frame kept its samples, which was cheaper"),
+            (&[no], "not denoised: the frame kept its samples"),
             (&[yes; 24], "denoised all 24 frames"),
-            (&[yes, None], "denoised"),
-            (&[yes, no], "denoised 1 of 2 frames; frame 1 kept its samples, which was cheaper"),
-            (
-                &[no, yes, yes, no, no, no],
-                "denoised 2 of 6 frames; frames 0,3-5 kept their samples, which was cheaper",
-            ),
-            (&[no, no], "denoised 0 of 2 frames; frames 0-1 kept their samples, which was cheaper"),
+            (&[yes, None], "denoised 1 of 2 frames"),
+            (&[yes, None, no], "denoised 1 of 3 frames; frame 2 kept its samples"),
+            (&[yes, no], "denoised 1 of 2 frames; frame 1 kept its samples"),
+            (&[no, yes, yes, no, no, no], "denoised 2 of 6 frames; frames 0,3-5 kept their samples"),
+            (&[no, no], "denoised 0 of 2 frames; frames 0-1 kept their samples"),
         ] {
             let text = text(&denoised(frames));
             assert!(text.contains(&format!("        {wanted}\n")), "{text}");

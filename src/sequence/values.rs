@@ -27,8 +27,10 @@ pub fn is_number(node: Node<'_>) -> bool {
 /// A plain decimal number of any size.
 fn decimal(node: Node<'_>) -> Option<f64> {
     let text = node.text();
+    if !is_decimal(text) {
+        return None;
+    }
     match text.contains('_') {
-        _ if !is_decimal(text) => None,
         true => text.replace('_', "").parse().ok(),
         false => text.parse().ok(),
     }

@@ -64,7 +64,8 @@ const GROUP: usize = 64;
 pub struct Extents {
     slots: Vec<Extent>,
     groups: Vec<Extent>,
-    /// Groups of slots that were set since the last update, in the order of these, without repetitions in a row.
+    /// Groups of the slots that were set since the last update, in the order in which these were set. A group may occur
+    /// again, but not twice in a row.
     dirty: Vec<usize>,
 }
 
