@@ -73,15 +73,16 @@ pub fn transforms(
     }
 }
 
-/// World transform and visibility of an object, from its own, those of its parent, and the visibility of the object with
-/// which alone it is visible.
+/// World transform and visibility of an object, from its own, those of its parent, and the visibility of the object
+/// with which alone it is visible.
+#[inline]
 pub(super) fn placed(
     (affine, visible): (DAffine3, RayKinds),
     (parent, other): (Option<(Transform, Visible)>, Option<Visible>),
 ) -> (Transform, Visible) {
     let visible = other.map_or(visible, |other| visible.and(other.0));
     match parent {
-        Some((outer, shown)) => (Transform(outer.0 * affine), Visible(shown.0.and(visible))),
+        Some((outer, shown)) => (outer.around(&affine), Visible(shown.0.and(visible))),
         None => (Transform(affine), Visible(visible)),
     }
 }

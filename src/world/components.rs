@@ -2,7 +2,7 @@
 //! [`Light`](crate::appearance::light::Light) and [`CameraPath`](crate::camera::path::CameraPath) are components themselves.
 
 use crate::base::color::Rgb;
-use crate::base::math::DAffine3;
+use crate::base::math::{DAffine3, DMat3};
 use crate::base::time::Time;
 use crate::film::LayerId;
 use crate::geometry::clip::ClipPlane;
@@ -18,6 +18,17 @@ use std::sync::Arc;
 /// World-from-object transform. Singular while a scale of 0 hides the object.
 #[derive(Clone, Copy, Component, Debug, PartialEq)]
 pub struct Transform(pub DAffine3);
+
+impl Transform {
+    /// The transform of an object within this one. All that is in a flat object is flat: in the product, rounding may leave
+    /// a determinant that is not 0, and with it slivers of what is hidden.
+    #[inline]
+    pub fn around(&self, object: &DAffine3) -> Self {
+        let product = self.0 * *object;
+        let is_flat = self.0.matrix3.determinant() == 0.0;
+        Self(if is_flat { DAffine3 { matrix3: DMat3::ZERO, ..product } } else { product })
+    }
+}
 
 /// The rays that see an object and all its parents; none while it is hidden.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]

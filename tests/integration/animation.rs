@@ -241,6 +241,29 @@ fn hidden_parents_hide_all_below_them() {
     }
 }
 
+/// However objects in a flat one are turned, and whatever is in them in turn: rounding leaves no slivers.
+#[test]
+fn flat_parents_hide_all_that_is_turned_in_them() {
+    let empty = picture(&scene(1, "")[0]);
+    let turned = |axis: &str, angle: u32| format!("rotation: AxisAngle(axis: {axis}, angle: {angle})");
+    for angle in (4..90).step_by(5) {
+        let chain = [
+            &format!(
+                r#""hand": (shape: Box(min: (-1, -1, -1), max: (1, 1, 1)), parent: "arm", {})"#,
+                turned("(2, 1, 1)", 70)
+            ),
+            &format!(r#""arm": (shape: Sphere(), parent: "body", {})"#, turned("(3, -1, 1)", angle + 11)),
+            &format!(
+                r#""body": (shape: Group, {}, scale: [(0, 1), (2, (0, 1, 1)), (4, 1)])"#,
+                turned("(1, 2, 3)", angle)
+            ),
+        ];
+        let objects = chain.map(String::as_str).join(", ");
+        let hidden: Vec<bool> = scene(4, &objects).iter().map(|shot| picture(shot) == empty).collect();
+        assert_eq!(hidden, [false, false, true, false], "{angle}");
+    }
+}
+
 #[test]
 fn a_visible_child_does_not_show_its_parents_shape() {
     let one = scene(1, r#""child": (shape: Sphere(center: (1, 0, 0), radius: 0.5))"#);
