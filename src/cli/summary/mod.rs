@@ -1,13 +1,13 @@
 //! The summary of a run, for people and for programs.
 
+mod error;
+
 use super::forecast_text;
 use super::json::{line, object, rounded};
 use crate::base::escape;
-use crate::base::frame_set;
 use crate::base::stats::{Counts, SharedSamples};
 use crate::base::units;
 use crate::base::units::seconds;
-use crate::film::Noise;
 use crate::pipeline::render::{Forecast, Summary};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -46,7 +46,7 @@ pub fn text(summary: &Summary) -> String {
         ("paths", paths(summary)),
         ("zoom", zoom(summary)),
         ("dropped", dropped(summary)),
-        ("error", error(summary)),
+        ("error", error::lines(&summary.noise)),
         ("BVH", vec![bvh(summary)]),
         ("planned", summary.expected.iter().map(planned).collect()),
         ("stages", aligned(&stages)),
@@ -112,7 +112,7 @@ pub fn json(summary: &Summary) -> String {
             "infinite": dropped.infinite,
             "negative": dropped.negative,
         },
-        "noise": noise(&summary.noise),
+        "noise": error::json(&summary.noise),
         "bvh_builds": summary.bvh_builds,
         "bvh_refits": summary.bvh_refits,
         "bvh_updates": summary.bvh_builds + summary.bvh_refits,
@@ -239,78 +239,6 @@ fn rays(summary: &Summary) -> Vec<String> {
     let mut lines = aligned(&rows);
     lines[0] += &format!("  {}", units::ray_rate(rays.total(), summary.elapsed));
     lines
-}
-
-/// At most this many frames have a line each. For more frames, read the files or the JSON summary.
-const MAX_LISTED_FRAMES: usize = 12;
-
-/// The remaining error if there was a target: of the worst frame, with its range.
-fn error(summary: &Summary) -> Vec<String> {
-    let worst = summary.noise.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error));
-    let Some((frame, worst)) = worst else { return Vec::new() };
-    let percent = |error: f64| format!("{:.2}", 100.0 * error);
-    let (error, low, high) = (percent(worst.error), percent(worst.low), percent(worst.high));
-    let range = format!("{error} % of the brightness ({low} to {high} with 95 % confidence)");
-    let count = summary.noise.len() as f64;
-    let samples = summary.noise.iter().map(|(_, noise)| noise.samples).sum::<f64>() / count;
-    let mut lines = match summary.noise.len() {
-        1 => vec![range],
-        _ => vec![format!("at most {range}, in frame {frame}")],
-    };
-    if (2..=MAX_LISTED_FRAMES).contains(&summary.noise.len()) {
-        let row = |(frame, noise): &(u32, Noise)| {
-            let errors = [noise.error, noise.low, noise.high].map(percent);
-            format!(
-                "frame {frame}: {} % ({} to {}), {:.0} samples",
-                errors[0], errors[1], errors[2], noise.samples
-            )
-        };
-        lines.extend(summary.noise.iter().map(row));
-    }
-    lines.push(format!("{samples:.0} samples a pixel on average"));
-    let capped = summary.noise.iter().map(|(_, noise)| noise.capped).sum::<f64>() / count;
-    if capped > 0.0 {
-        lines.push(format!(
-            "target missed: {} of the pixels reached the limit of samples (max_samples)",
-            units::percent(capped)
-        ));
-    }
-    lines.extend(denoised(&summary.noise));
-    lines
-}
-
-/// Which frames were denoised, if some might have been. Those of earlier runs may not record it.
-fn denoised(noise: &[(u32, Noise)]) -> Option<String> {
-    let frames = |denoised: bool| {
-        let like = noise.iter().filter(move |(_, noise)| noise.denoised == Some(denoised));
-        like.map(|(frame, _)| *frame).collect::<Vec<_>>()
-    };
-    let (denoised, kept) = (frames(true).len(), frames(false));
-    let [done, all] = [denoised, noise.len()].map(|frames| units::count(frames as u64));
-    Some(match (denoised, kept.len(), noise.len()) {
-        (0, 0, _) => return None,
-        (1, 0, 1) => "denoised".to_owned(),
-        (_, 0, frames) if denoised == frames => format!("denoised all {all} frames"),
-        (_, 0, _) => format!("denoised {done} of {all} frames"),
-        (_, 1, 1) => "not denoised: the frame kept its samples".to_owned(),
-        (_, few, _) => {
-            let (noun, its) = if few == 1 { ("frame", "its") } else { ("frames", "their") };
-            format!("denoised {done} of {all} frames; {noun} {} kept {its} samples", frame_set::text(&kept))
-        }
-    })
-}
-
-fn noise(frames: &[(u32, Noise)]) -> Map<String, Value> {
-    let of = |(frame, noise): &(u32, Noise)| {
-        let Noise { error, low, high, samples, capped, denoised } = noise;
-        let mut value =
-            json!({ "error": error, "low": low, "high": high, "samples": samples, "capped": capped });
-        if let Some(denoised) = denoised {
-            value["denoised"] = json!(denoised);
-        }
-        (frame.to_string(), value)
-    };
-    frames.iter().map(of).collect()
 }
 
 /// Samples that were dropped, by cause. There should be none.
@@ -456,38 +384,6 @@ dropped undefined   2
     fn refits_are_listed_if_there_are_any() {
         let text = text(&Summary { bvh_refits: 71, ..summary() });
         assert!(text.contains("\nBVH     1 build, 71 refits\n"), "{text}");
-    }
-
-    /// A run of frames that were denoised or not, or were never to be.
-    fn denoised(frames: &[Option<bool>]) -> Summary {
-        let noise = |denoised: &Option<bool>| Noise { error: 0.5, denoised: *denoised, ..Noise::default() };
-        Summary { noise: (0..).zip(frames.iter().map(noise)).collect(), ..summary() }
-    }
-
-    #[test]
-    fn frames_that_kept_their_samples_are_named() {
-        let (yes, no) = (Some(true), Some(false));
-        for (frames, wanted) in [
-            (&[yes][..], "denoised"),
-            (&[no], "not denoised: the frame kept its samples"),
-            (&[yes; 24], "denoised all 24 frames"),
-            (&[yes, None], "denoised 1 of 2 frames"),
-            (&[yes, None, no], "denoised 1 of 3 frames; frame 2 kept its samples"),
-            (&[yes, no], "denoised 1 of 2 frames; frame 1 kept its samples"),
-            (&[no, yes, yes, no, no, no], "denoised 2 of 6 frames; frames 0,3-5 kept their samples"),
-            (&[no, no], "denoised 0 of 2 frames; frames 0-1 kept their samples"),
-        ] {
-            let text = text(&denoised(frames));
-            assert!(text.contains(&format!("        {wanted}\n")), "{text}");
-        }
-        assert!(!text(&denoised(&[None; 3])).contains("denoised"));
-        let json = json(&denoised(&[yes, no, None]));
-        let noise = |denoised: &str| {
-            format!(r#"{{"error":0.5,"low":0.0,"high":0.0,"samples":0.0,"capped":0.0{denoised}}}"#)
-        };
-        let [yes, no] = ["true", "false"].map(|denoised| noise(&format!(r#","denoised":{denoised}"#)));
-        let wanted = format!(r#""noise":{{"0":{yes},"1":{no},"2":{}}}"#, noise(""));
-        assert!(json.contains(&wanted), "{json}");
     }
 
     #[test]
