@@ -1,6 +1,6 @@
 //! Transforms of objects over time.
 
-use crate::base::math::{Angle, DAffine3, DMat3, DQuat, DVec3, axis_angle, euler_xyz, orthonormal};
+use crate::base::math::{Angle, DAffine3, DMat3, DQuat, DVec3, axis_angle, euler_xyz, is_flat, orthonormal};
 use crate::base::time::Time;
 use crate::geometry::motion::Motion;
 use crate::track::{Animated, SegmentCache};
@@ -164,7 +164,11 @@ pub(super) fn placed(
         translation += *offset * factor.at(time);
     }
     let placed = DAffine3::from_mat3_translation(matrix, translation + offset);
-    motion.map_or(placed, |motion| placed * motion.at(time))
+    match motion {
+        // A flat object stays exactly flat, so that it is hidden.
+        Some(motion) if !is_flat(&placed) => placed * motion.at(time),
+        _ => placed,
+    }
 }
 
 #[cfg(test)]
@@ -184,5 +188,21 @@ mod tests {
         let affine = tracks.at(Time::from_integer(0));
         assert_eq!(affine.transform_point3(DVec3::X), DVec3::new(1.0, 0.0, 5.0));
         assert_eq!(affine.transform_point3(DVec3::X * 2.0), DVec3::new(1.0, 2.0, 5.0));
+    }
+
+    #[test]
+    fn flat_objects_stay_flat_when_a_program_turns_them() {
+        for flat in [DVec3::new(0.0, 1.0, 1.0), DVec3::new(1.0, 0.0, 1.0)] {
+            let tracks = TransformTracks {
+                rotation: Rotation::AxisAngle {
+                    axis: DVec3::new(1.0, 2.0, 3.0).into(),
+                    angle: Angle(29.0).into(),
+                },
+                scale: flat.into(),
+                motion: Some(Motion::new(|time| DAffine3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), time))),
+                ..TransformTracks::default()
+            };
+            assert!((0..100).all(|time| is_flat(&tracks.at(Time::from_integer(time)))));
+        }
     }
 }

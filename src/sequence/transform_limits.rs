@@ -6,7 +6,7 @@ use super::source_file::File;
 use super::suggest::shortened;
 use super::values::{LARGEST, SHORTEST};
 use super::{Named, Object};
-use crate::base::math::{DAffine3, DVec3};
+use crate::base::math::{DAffine3, DVec3, is_flat};
 use crate::base::time::{Time, Timeline};
 use crate::geometry::transform::TransformTracks;
 use crate::track::{Animate, Animated};
@@ -166,7 +166,7 @@ fn fault_of(chain: impl Iterator<Item = DAffine3>) -> Option<OutOfRange> {
     let (mut world, mut hidden) = (DAffine3::IDENTITY, false);
     for local in chain {
         // A keyed scale of zero hides an object on purpose.
-        hidden |= local.matrix3.determinant() == 0.0;
+        hidden |= is_flat(&local);
         world = local * world;
     }
     // Overflow may also lead to NaN.
@@ -178,8 +178,8 @@ fn fault_of(chain: impl Iterator<Item = DAffine3>) -> Option<OutOfRange> {
     if !within(world.translation) {
         return Some(OutOfRange::Far);
     }
-    let flat = axes.into_iter().any(|axis| axis.abs().max_element() < SHORTEST);
-    ((flat || world.matrix3.determinant() == 0.0) && !hidden).then_some(OutOfRange::Small)
+    let short = axes.into_iter().any(|axis| axis.abs().max_element() < SHORTEST);
+    ((short || is_flat(&world)) && !hidden).then_some(OutOfRange::Small)
 }
 
 fn fault(object: &Named<Object>, what: OutOfRange, when: &str, place: TransformPlace, time: Time) -> Fault {

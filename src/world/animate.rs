@@ -8,7 +8,7 @@ use crate::appearance::fog::{Fog, FogTracks};
 use crate::appearance::light::{Light, LightTracks};
 use crate::appearance::light_groups::GroupWeight;
 use crate::appearance::material::{Material, MaterialTracks};
-use crate::base::math::{Aabb, DAffine3, DVec3};
+use crate::base::math::{Aabb, DAffine3, DVec3, is_flat};
 use crate::camera::Camera;
 use crate::camera::path::{CameraPath, NoCamera};
 use crate::geometry::clip::moved_into;
@@ -20,8 +20,8 @@ use crate::geometry::table_rows::{RowTrack, TableRow};
 use crate::import::series::StepError;
 use crate::track::SegmentCache;
 use crate::world::{
-    ActiveCamera, ClipPlanes, ClippedBy, Current, Hierarchy, Now, Objects, ShapeDeformed, ShapeParticles,
-    ShapeSeries, ShapeUse, ShownWith, Transform, Visible, VisibleOverTime, Weight,
+    ActiveCamera, ClipPlanes, ClippedBy, Current, Hierarchy, Now, Objects, PreparedVisibility, ShapeDeformed,
+    ShapeParticles, ShapeSeries, ShapeUse, ShownWith, Transform, Visible, Weight,
 };
 use bevy_ecs::change_detection::DetectChangesMut;
 use bevy_ecs::entity::Entity;
@@ -31,7 +31,7 @@ use bevy_ecs::system::{ParamSet, Query, Res, ResMut};
 use std::sync::Arc;
 
 /// Objects that cannot move have none.
-type Tracks = (&'static PreparedTransform, &'static VisibleOverTime);
+type Tracks = (&'static PreparedTransform, &'static PreparedVisibility);
 
 /// What follows tracks.
 type Placed = (&'static mut Transform, &'static mut Visible);
@@ -82,7 +82,11 @@ pub(super) fn placed(
 ) -> (Transform, Visible) {
     let visible = other.map_or(visible, |other| visible.and(other.0));
     match parent {
-        Some((outer, shown)) => (outer.around(&affine), Visible(shown.0.and(visible))),
+        Some((outer, shown)) => {
+            // All in a flat object is hidden; the product may have lost that by rounding.
+            let shown = if is_flat(&outer.0) { RayKinds::NONE } else { shown.0 };
+            (Transform(outer.0 * affine), Visible(shown.and(visible)))
+        }
         None => (Transform(affine), Visible(visible)),
     }
 }

@@ -2,7 +2,7 @@
 //! [`Light`](crate::appearance::light::Light) and [`CameraPath`](crate::camera::path::CameraPath) are components themselves.
 
 use crate::base::color::Rgb;
-use crate::base::math::{DAffine3, DMat3};
+use crate::base::math::DAffine3;
 use crate::base::time::Time;
 use crate::film::LayerId;
 use crate::geometry::clip::ClipPlane;
@@ -19,17 +19,6 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Component, Debug, PartialEq)]
 pub struct Transform(pub DAffine3);
 
-impl Transform {
-    /// The transform of an object within this one. All that is in a flat object is flat: in the product, rounding may leave
-    /// a determinant that is not 0, and with it slivers of what is hidden.
-    #[inline]
-    pub fn around(&self, object: &DAffine3) -> Self {
-        let product = self.0 * *object;
-        let is_flat = self.0.matrix3.determinant() == 0.0;
-        Self(if is_flat { DAffine3 { matrix3: DMat3::ZERO, ..product } } else { product })
-    }
-}
-
 /// The rays that see an object and all its parents; none while it is hidden.
 #[derive(Clone, Copy, Component, Debug, PartialEq, Eq)]
 pub struct Visible(pub RayKinds);
@@ -40,14 +29,14 @@ impl Visible {
     }
 }
 
-/// An object's own visibility over time, of those that may move.
+/// [`VisibleTracks`] of an object that may move. What has no keys is computed once.
 #[derive(Clone, Component, Debug)]
-pub enum VisibleOverTime {
+pub enum PreparedVisibility {
     Constant(RayKinds),
     Keyed(Box<VisibleTracks>),
 }
 
-impl VisibleOverTime {
+impl PreparedVisibility {
     pub fn at(&self, time: Time) -> RayKinds {
         match self {
             Self::Constant(rays) => *rays,
@@ -56,7 +45,7 @@ impl VisibleOverTime {
     }
 }
 
-impl From<VisibleTracks> for VisibleOverTime {
+impl From<VisibleTracks> for PreparedVisibility {
     fn from(tracks: VisibleTracks) -> Self {
         if tracks.is_keyed() {
             Self::Keyed(Box::new(tracks))

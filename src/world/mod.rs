@@ -10,8 +10,8 @@ mod resources;
 mod spawn;
 
 pub use components::{
-    AreaLight, ClipPlanes, ClippedBy, FileOrder, ShapeDeformed, ShapeParticles, ShapeSeries, ShownWith, Slot,
-    Transform, Visible, VisibleOverTime, VisibleTracks, Weight,
+    AreaLight, ClipPlanes, ClippedBy, FileOrder, PreparedVisibility, ShapeDeformed, ShapeParticles,
+    ShapeSeries, ShownWith, Slot, Transform, Visible, VisibleTracks, Weight,
 };
 pub use resources::{ActiveCamera, Current, Hierarchy, LightSetup, Now, Objects, ShapeUse, SlotCount};
 pub use spawn::{sky_table, spawn};

@@ -2,8 +2,8 @@
 
 use super::{
     ActiveCamera, AreaLight, ClipPlanes, ClippedBy, FileOrder, Hierarchy, LightSetup, Now, Objects,
-    ShapeDeformed, ShapeParticles, ShapeSeries, ShownWith, Slot, SlotCount, Transform, Visible,
-    VisibleOverTime, VisibleTracks, Weight, animate,
+    PreparedVisibility, ShapeDeformed, ShapeParticles, ShapeSeries, ShownWith, Slot, SlotCount, Transform,
+    Visible, VisibleTracks, Weight, animate,
 };
 use crate::appearance::environment::EnvironmentDistribution;
 use crate::appearance::light::{Light, Source};
@@ -174,7 +174,7 @@ fn spawn_objects(world: &mut World, sequence: &Sequence) {
         if moves[index] {
             entity.insert((
                 PreparedTransform::from(&object.transform),
-                VisibleOverTime::from(visibility(object)),
+                PreparedVisibility::from(visibility(object)),
             ));
         }
         entities.push(entity.id());

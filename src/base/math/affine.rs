@@ -47,6 +47,13 @@ fn inverse_matrix(m: DMat3) -> Option<DMat3> {
     Some(first + first * left)
 }
 
+/// Whether a map is flat: it has no inverse, however it came about. A scale of 0 along an axis gives exactly 0 here, but
+/// in products with further maps, rounding may leave something else.
+#[inline]
+pub fn is_flat(affine: &DAffine3) -> bool {
+    affine.matrix3.determinant() == 0.0
+}
+
 /// An affine map of absolute values.
 pub fn absolute(affine: &DAffine3) -> DAffine3 {
     DAffine3 { matrix3: affine.matrix3.abs(), translation: affine.translation.abs() }
@@ -56,6 +63,7 @@ pub fn absolute(affine: &DAffine3) -> DAffine3 {
 mod tests {
     use super::*;
     use crate::base::math::{Angle, axis_angle};
+    use crate::testing::Random;
 
     #[test]
     fn xf_04_badly_scaled_transforms_invert() {
@@ -66,5 +74,23 @@ mod tests {
         assert!(off.x_axis.max(off.y_axis).max(off.z_axis).max_element() <= 1e-9);
         assert_eq!(inverse(&DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0))), None);
         assert_eq!(inverse(&DAffine3::from_scale(DVec3::new(1.0, f64::NAN, 1.0))), None);
+    }
+
+    /// Turned scales of 0 are flat to the last bit. Most products with a further map are not, so these must not be asked.
+    #[test]
+    fn scales_of_zero_are_flat() {
+        let mut random = Random(6);
+        let mut turned = |scale: DVec3| {
+            let turn = axis_angle(random.point(1.0).normalize(), Angle(360.0 * random.unit()));
+            DAffine3::from_mat3(turn * DMat3::from_diagonal(scale))
+        };
+        let mut slivers = 0;
+        for axis in DMat3::IDENTITY.to_cols_array_2d().map(DVec3::from_array).into_iter().cycle().take(300) {
+            let [flat, thin, inner] =
+                [1.0, 1.0 - 1e-9, 0.5].map(|less| turned(DVec3::splat(1.5) * (1.0 - less * axis)));
+            assert!(is_flat(&flat) && !is_flat(&thin) && !is_flat(&inner));
+            slivers += u32::from(!is_flat(&(flat * inner)));
+        }
+        assert!(slivers > 100, "{slivers}");
     }
 }

@@ -14,7 +14,7 @@ mod turn;
 mod up;
 
 pub use crate::base::lanes::{NEAR_ZERO, next_away};
-pub use affine::{absolute, inverse, is_identity};
+pub use affine::{absolute, inverse, is_flat, is_identity};
 pub use angle::Angle;
 pub use basis::{Basis, look_at, perpendicular};
 pub use bounds::Aabb;

@@ -52,7 +52,8 @@ impl Extent {
 
     /// The largest coordinate of all bounded primitives, rounded up, and of the points of planes.
     pub fn reach(&self) -> f64 {
-        self.space().reach().max(-self.0[6])
+        let [.., anchor, _] = self.0;
+        self.space().reach().max(-anchor)
     }
 }
 
