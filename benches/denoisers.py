@@ -147,12 +147,16 @@ def flicker(kinora, folder, oidn):
     alike = np.stack([shot[0] for shot in shots("still", "--samples", "16", "--no-denoise")])
     still = (alike == alike[0]).all(axis=(0, 3))
     print(f"\nFlicker of the {100 * still.mean():.0f} % of the pixels that do not change, in % of their light:\n")
-    print("| noise | samples | without | Kinora | OIDN | OIDN, `cleanAux` |")
-    print("|---|---|---|---|---|---|")
+    print("| noise | samples | without | Kinora, each frame alone | with neighbours | OIDN | OIDN, `cleanAux` |")
+    print("|---|---|---|---|---|---|---|")
     for noise, prefix, options in (("varies", "varied", ("--vary-noise",)), ("stays", "steady", ())):
         for samples in SAMPLES[:2]:
-            frames = shots(f"{prefix}_{samples}", "--samples", str(samples), "--denoise", *options)
-            films = zip(*((own, picture, *oidn.denoise(own, *guides)) for picture, own, *guides in frames))
+            modes = (("alone", "--denoise=alone"), ("auto", "--denoise"))
+            alone, auto = (
+                shots(f"{prefix}_{samples}_{name}", "--samples", str(samples), mode, *options) for name, mode in modes
+            )
+            frames = ((one[0], *other) for one, other in zip(alone, auto))
+            films = zip(*((own, one, both, *oidn.denoise(own, *guides)) for one, both, own, *guides in frames))
             changes = (np.abs(np.diff(np.stack(film), axis=0))[:, still].mean() for film in films)
             cells = " | ".join(f"{100 * change / alike[0][still].mean():.2f}" for change in changes)
             print(f"| {noise} | {samples} | {cells} |", flush=True)

@@ -66,7 +66,7 @@ class Settings(TypedDict, total=False):
     samples: int | None
     noise: float | None
     max_samples: int | None
-    denoise: bool
+    denoise: bool | Literal["auto", "alone"]
     no_denoise: bool
     seed: int | None
     vary_noise: bool

@@ -100,7 +100,7 @@ impl Renderer {
         let sequence = Sequence { quality: alone(quality), ..self.sequence.clone() };
         let meter = Arc::new(ProgressMeter::default());
         let mut frames = FrameLoop::with_aovs(&sequence, aovs, FilmCollector::default(), meter);
-        let (film, took) = timed(|| self.pool.install(|| frames.trace(&look.without_views(), lit)));
+        let (film, took) = timed(|| self.pool.install(|| frames.trace(&look.alone(), lit)));
         Ok(Rendering { films: film?.into_iter().collect(), took, rays: frames.stats().counts.rays.total() })
     }
 

@@ -73,6 +73,7 @@ fn rendered(arguments: &Arguments, observation: &Observation) -> Result<(), Fail
     let read = || load::sequence(&arguments.file, options.allow_outside, loading);
     let sequence = tracing::info_span!("read").in_scope(read)?;
     let mut sequence = overrides::apply(sequence, &options.overrides()).map_err(Failure::Bad)?;
+    sequence.quality.denoise = sequence.quality.denoise.of_stills();
     let frames = match &arguments.frames {
         Some(set) => selected_frames(Some(set), &sequence)?,
         None => spread(sequence.timeline.frames, arguments.count),

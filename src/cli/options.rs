@@ -68,8 +68,15 @@ pub struct RenderOptions {
     ///
     /// Filters each part of the picture where that is estimated to lower its error, and prints
     /// the error of the result. --noise adds samples until that error is below the target.
-    #[arg(long, conflicts_with = "no_denoise", verbatim_doc_comment)]
-    pub denoise: bool,
+    ///
+    /// auto: with the samples of up to two frames before and after. They are traced even if they
+    /// are not rendered. Posters and filmstrips, and frames with --noise, use their own alone.
+    /// alone: each frame with its own samples alone.
+    #[arg(
+        long, value_name = "MODE", value_parser = values::denoise, num_args = 0..=1, require_equals = true,
+        default_missing_value = "auto", conflicts_with = "no_denoise", verbatim_doc_comment
+    )]
+    pub denoise: Option<Denoise>,
 
     /// Also keep what denoised frames were before, as the layer `samples` of EXR files
     #[arg(long)]
@@ -138,11 +145,7 @@ impl RenderOptions {
             seed: self.seed,
             vary_noise: self.vary_noise,
             reuse: self.reuse,
-            denoise: match (self.denoise, self.no_denoise) {
-                (true, _) => Some(Denoise::Auto),
-                (_, true) => Some(Denoise::Off),
-                _ => None,
-            },
+            denoise: self.denoise.or(self.no_denoise.then_some(Denoise::Off)),
             denoise_original: self.denoise_original,
             tonemap: self.tonemap,
             exposure: self.exposure,

@@ -70,6 +70,7 @@ fn rendered(arguments: &Arguments, observation: &Observation) -> Result<(), Fail
     let sequence = tracing::info_span!("read").in_scope(read)?;
     let overrides = arguments.image.with(options.overrides());
     let mut sequence = overrides::apply(sequence, &overrides).map_err(Failure::Bad)?;
+    sequence.quality.denoise = sequence.quality.denoise.of_stills();
     let frame = arguments.frame_of(&sequence)?;
     let outputs = match arguments.output.is_empty() {
         true => vec![default_output(&sequence, "poster")?],

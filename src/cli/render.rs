@@ -64,8 +64,9 @@ pub struct Arguments {
     /// Also render the frames of this set that share a film with the frames of --frames
     ///
     /// Frames share a film (the traced light) if they show the same scene, or if only lights
-    /// change their brightness. Frames that share samples of a zoom count too. Jobs of
-    /// `kinora farm export openjd` use this option.
+    /// change their brightness. Frames that share samples of a zoom count too, and blocks of
+    /// frames that are denoised with their neighbours. Jobs of `kinora farm export openjd` use
+    /// this option.
     #[arg(long, value_name = "SET", conflicts_with = "shard", verbatim_doc_comment)]
     include_shared: Option<FrameSet>,
 

@@ -78,6 +78,10 @@ fn budget_note(budget: &Budget) -> String {
     if let Some(error) = budget.error {
         note += &format!(", and leave an error of about {} of the brightness", percent(error));
     }
-    let denoise = if quality.denoise == Denoise::Auto { " --denoise" } else { "" };
+    let denoise = match quality.denoise {
+        Denoise::Off => "",
+        Denoise::Auto => " --denoise",
+        Denoise::Alone => " --denoise=alone",
+    };
     note + &format!("; for the same pictures again: {option}{denoise}")
 }

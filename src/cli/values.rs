@@ -7,7 +7,7 @@ use crate::base::units::parse_bytes;
 use crate::encode::{Output, StreamFormat, Template, Tonemap};
 use crate::film::MAX_STOPS;
 use crate::sequence::ERRORS;
-use crate::sequence::quality::{Integrator, MAX_SAMPLES, PathSettings, SampleReuse};
+use crate::sequence::quality::{Denoise, Integrator, MAX_SAMPLES, PathSettings, SampleReuse};
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use std::num::NonZeroUsize;
 use std::time::Duration;
@@ -119,6 +119,15 @@ pub fn reuse(text: &str) -> Result<SampleReuse, String> {
         "zoom" => Ok(SampleReuse::Zoom),
         "off" => Ok(SampleReuse::Off),
         _ => Err("write zoom or off".to_owned()),
+    }
+}
+
+/// With whose samples frames are denoised.
+pub fn denoise(text: &str) -> Result<Denoise, String> {
+    match text.to_ascii_lowercase().as_str() {
+        "auto" => Ok(Denoise::Auto),
+        "alone" => Ok(Denoise::Alone),
+        _ => Err("write auto or alone".to_owned()),
     }
 }
 

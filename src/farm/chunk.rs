@@ -4,9 +4,8 @@
 //! consist of films, not of frames. Films that share samples of views count as one film, because each chunk would trace
 //! these samples again.
 
-use crate::base::digest::Digest;
 use crate::film::AovSet;
-use crate::pipeline::plan::{PilotBudget, Plan, cost_estimate};
+use crate::pipeline::plan::{PilotBudget, Plan, cost_estimate, work_groups};
 use crate::sequence::Sequence;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -49,12 +48,17 @@ impl FilmCosts {
         let plan = Plan::new(sequence, frames, aovs, u64::MAX);
         let write = plan.cache.pixels as f64 * RAYS_PER_WRITTEN_PIXEL;
         let rays = cost_estimate(sequence, &plan, PilotBudget::PLAN).films;
+        let groups = work_groups(&plan.states.frames);
+        let mut group_of = vec![0; frames.len()];
+        for (number, group) in groups.iter().enumerate() {
+            group.frames.iter().for_each(|&index| group_of[index] = number);
+        }
         let mut films: Vec<(Vec<u32>, f64)> = Vec::new();
-        let mut known: HashMap<Digest, usize> = HashMap::new();
+        let mut known: HashMap<usize, usize> = HashMap::new();
         for (film, (shared, rays)) in plan.films.iter().zip(rays).enumerate() {
             let own: Vec<u32> = shared.frames.iter().map(|&index| frames[index]).collect();
             let work = rays + write * own.len() as f64;
-            let place = *known.entry(plan.state_of(film).shared_work()).or_insert(films.len());
+            let place = *known.entry(group_of[plan.films[film].frames[0]]).or_insert(films.len());
             match films.get_mut(place) {
                 Some((all, sum)) => {
                     all.extend(own);

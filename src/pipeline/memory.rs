@@ -1,12 +1,13 @@
 //! Estimates the memory of a run.
 
+use super::schedule::REACH;
 use crate::base::color::Rgb;
 use crate::base::machine;
 use crate::base::math::DVec3;
 use crate::film::{AovSet, denoise};
 use crate::sequence::Sequence;
 use crate::sequence::quality::Denoise;
-use crate::trace::{bytes_of_pixel, bytes_of_sums};
+use crate::trace::{PrimaryHits, bytes_of_pixel, bytes_of_sums};
 
 /// Films in memory at once: one is being traced, some wait for the encoder, and the encoder develops one.
 const FILMS: u64 = 4;
@@ -29,11 +30,13 @@ pub fn needed(sequence: &Sequence, aovs: AovSet) -> u64 {
     let pixel = layers.saturating_mul(size_of::<Rgb>() as u64 * films + sums).saturating_add(BESIDES);
     // Sampling towards an error target keeps more data per pixel.
     let rounds = if sequence.quality.noise.is_some() { bytes_of_pixel(layers) } else { 0 };
+    let neighbors = if sequence.quality.uses_neighbors() { 2 * u64::from(REACH) } else { 0 };
+    let hits = if neighbors > 0 { (1 + neighbors) * PrimaryHits::BYTES_PER_PIXEL } else { 0 };
     let filter = match sequence.quality.denoise {
         Denoise::Off => 0,
-        Denoise::Auto => denoise::bytes((width, height), layers),
+        Denoise::Auto | Denoise::Alone => denoise::bytes((width, height), layers, neighbors),
     };
-    let pixel = pixel.saturating_add(rounds);
+    let pixel = pixel.saturating_add(rounds).saturating_add(hits);
     (u64::from(width) * u64::from(height)).saturating_mul(pixel).saturating_add(filter)
 }
 

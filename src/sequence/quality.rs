@@ -52,8 +52,19 @@ pub enum Denoise {
     /// Films are what was sampled.
     #[default]
     Off,
-    /// Films are filtered where this lowers their error.
+    /// Films are filtered where this lowers their error, with the samples of neighbours in time unless frames have a target
+    /// error.
     Auto,
+    /// Films are filtered where this lowers their error, each by itself.
+    Alone,
+}
+
+#[warn(missing_docs)]
+impl Denoise {
+    /// The mode of single pictures, whose neighbours would be traced for them alone.
+    pub fn of_stills(self) -> Self {
+        if self == Self::Auto { Self::Alone } else { self }
+    }
 }
 
 /// Which samples frames share. Sharing changes where samples lie, so it changes pictures within their error.
@@ -130,6 +141,12 @@ impl Quality {
         self.reuse == SampleReuse::Zoom && self.noise.is_none() && self.denoise == Denoise::Off
     }
 
+    /// Whether the samples of neighbours in time help to denoise a frame. With a target error, the number of samples of a
+    /// frame depends on its own light.
+    pub fn uses_neighbors(&self) -> bool {
+        self.denoise == Denoise::Auto && self.noise.is_none()
+    }
+
     /// The settings of a frame: with noise that varies, its seed is one of its own.
     pub fn of_frame(&self, frame: u32) -> Self {
         match self.vary_noise {
@@ -143,7 +160,7 @@ impl Quality {
         match self.denoise {
             Denoise::Off => picture,
             // Both halves have as many samples.
-            Denoise::Auto => {
+            Denoise::Auto | Denoise::Alone => {
                 let picture = picture.next_multiple_of(2);
                 picture + 2 * samples_of_audit(picture)
             }

@@ -82,7 +82,7 @@ fn reuse(node: Node<'_>) -> Option<SampleReuse> {
 }
 
 fn denoise(node: Node<'_>) -> Option<Denoise> {
-    word(node, "denoise", &[("Off", Denoise::Off), ("Auto", Denoise::Auto)])
+    word(node, "denoise", &[("Off", Denoise::Off), ("Auto", Denoise::Auto), ("Alone", Denoise::Alone)])
 }
 
 fn integrator(node: Node<'_>) -> Option<Integrator> {

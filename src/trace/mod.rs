@@ -26,6 +26,7 @@ mod path_queue;
 mod path_reuse;
 mod pixels;
 mod pilot;
+mod primary_hits;
 mod progressive;
 #[cfg(test)]
 mod random_scene;
@@ -55,6 +56,7 @@ pub use path_reuse::{
     BYTES_PER_POSE, FramePose, MAX_FRAMES, PathObstacle, SharedFrames, sharing_pays, sharing_would_pay,
 };
 pub use pilot::{BlockError, PilotBlocks};
+pub use primary_hits::PrimaryHits;
 pub use progressive::{ProgressiveFilm, Refinement, StageEnd, rays_of_pixel, rays_per_sample};
 pub use settings::{Moment, TraceSettings};
 pub use view_reuse::{MAX_VIEWS, SamplePlan, SharedViews, View, bytes_of_sums, trace_views};

@@ -50,6 +50,7 @@ mod integrators;
 mod radiance;
 mod transport;
 mod denoise;
+mod neighbors;
 mod noise;
 mod observability;
 mod accuracy;

@@ -67,6 +67,10 @@ fn films(report: &PlanReport) -> String {
     let most = takes.iter().map(|take| take.lit.len()).max().unwrap_or(0) as u64;
     let films = counted(takes.len() as u64, "film");
     let mut text = format!("{films}, with up to {} of light", counted(most, "layer"));
+    let neighbors = report.plan.states.neighbors_besides() as u64;
+    if neighbors > 0 {
+        text += &format!("; samples of {} beside these, for the denoiser", counted(neighbors, "frame"));
+    }
     let unlimited = report.unlimited_films();
     if takes.len() > unlimited {
         text += &format!(

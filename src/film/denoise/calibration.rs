@@ -1,14 +1,13 @@
 //! What the audits show of the candidates over the whole picture.
 
-use super::candidates::{CANDIDATES, CandidateRow, Candidates};
+use super::candidates::{CANDIDATES, CandidateRow, LayerCandidates};
 use super::measured::{By, Measured};
 use super::planes::Planes;
 use crate::base::lanes::{Level, Row, Select, SimdKernel, Single, dispatch};
 use rayon::prelude::*;
 
-/// The least error of a candidate that counts, as a share of that of the samples: estimates may be 0 or negative by
-/// chance.
-pub const LEAST: f32 = 1e-3;
+/// The least error of the samples that counts, as a share of what halves show: estimates may be 0 or negative by chance.
+const LEAST: f32 = 1e-3;
 
 /// How many times the squared error of the samples a squared difference may be that is plain noise.
 const PLAIN: f32 = 16.0;
@@ -33,8 +32,8 @@ type Sums<F> = [[F; CANDIDATES]; 2];
 
 impl Calibration {
     /// What the audits show of a layer. `around` holds the mean errors around each pixel. Outliers do not count.
-    pub fn new(candidates: &Candidates, layer: usize, measured: &Measured, around: &Planes) -> Self {
-        let sum = |y: usize| dispatch(SumRow { candidates: candidates.row(layer, y), measured, around, y });
+    pub fn new(candidates: &LayerCandidates, measured: &Measured, around: &Planes) -> Self {
+        let sum = |y: usize| dispatch(SumRow { candidates: candidates.row(y), measured, around, y });
         let rows: Vec<Sums<f64>> = (0..around.height).into_par_iter().map(sum).collect();
         let [mut audited, mut errors] = [[0.0; CANDIDATES]; 2];
         for [by_audits, by_halves] in &rows {
@@ -69,7 +68,7 @@ impl SimdKernel for SumRow<'_> {
         let mut sums = [[L::F64::splat(0.0); CANDIDATES]; 2];
         for x in (0..samples.len()).step_by(L::F32::LANES) {
             let outlier = is_detail(candidates.difference(1, x), L::F32::load(samples, x));
-            for candidate in 0..CANDIDATES {
+            for candidate in 0..candidates.count() {
                 for (by, sums) in [By::Audits, By::Halves].into_iter().zip(&mut sums) {
                     let error = L::F32::load(measured.row(by, candidate, y), x);
                     sums[candidate] = sums[candidate] + L::F32::select(outlier, zero, error).to_f64();

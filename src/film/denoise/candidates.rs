@@ -1,90 +1,148 @@
 //! What the light of a pixel may be: its samples, or a fit at one of several scales.
 
-use super::super::Film;
 use super::guides::Guides;
-use super::outliers::dimmed;
+use super::halves::Halves;
+use super::neighbors::{Neighbor, Pooled};
 use super::planes::Planes;
 use super::regression::{SCALES, fit};
 use crate::base::color::Rgb;
 use crate::base::lanes::{Color, Single};
+use std::array::from_fn;
 
 /// Errors are relative to the light of their pixel, since a bright pixel would decide for all dark ones around it. They
 /// are relative to at least this share of the mean light.
 const DARK: f64 = 0.3;
 
-/// The number of candidates: the samples, the samples without outliers, and the fits to these of all scales.
-pub const CANDIDATES: usize = SCALES + 2;
+/// The candidates of one picture alone: the samples, the samples without outliers, and the fits to these of all scales.
+pub const ALONE: usize = 2 + SCALES;
+
+/// The scales of fits to samples that are pooled with those of neighbours: the smallest ones. There is less noise to fit,
+/// and what has changed spreads less.
+const POOLED_SCALES: usize = 2;
+
+/// The most candidates: those of one picture, the pooled samples without outliers, and the fits to these.
+pub const CANDIDATES: usize = ALONE + 1 + POOLED_SCALES;
 
 /// Bytes per pixel of the candidates of both halves, and what they become.
 pub fn bytes_of_pixel(layers: u64) -> u64 {
-    // While outliers are dimmed, each light has its brightness.
-    let light = CANDIDATES * size_of::<Rgb>() + size_of::<f32>();
+    // Without the samples without outliers, which are there before; while they are dimmed, each light has its brightness.
+    let light = (ALONE - 1) * size_of::<Rgb>() + size_of::<f32>();
     2 * layers * light as u64
 }
 
-/// The candidates of all pixels.
-pub struct Candidates {
-    halves: [Half; 2],
+/// Bytes per pixel while the samples of a layer are pooled and fitted. For each half: the sums of the light, the light of
+/// a neighbour, and the fits; the guides, those of a neighbour as they are and moved, and two sets of sums. For all: what is
+/// measured, and weights.
+pub const BYTES_OF_POOLED: u64 = (2 * (2 + POOLED_SCALES) * size_of::<Rgb>()) as u64
+    + 2 * 5 * Guides::BYTES_PER_PIXEL
+    + (12 * size_of::<f32>()) as u64;
+
+/// The candidates of all pixels from a picture alone.
+pub struct Candidates<'a> {
+    halves: &'a Halves,
+    samples: [Planes; 2],
+    guides: [Guides; 2],
+    /// Per half: the fits of all scales to its light without outliers.
+    fits: [[Planes; SCALES]; 2],
     /// Per layer: what is added to the square of a pixel's light, to which its squared errors are relative.
     floors: Vec<f32>,
 }
 
-/// The candidates of a half.
-struct Half {
-    samples: Planes,
-    dimmed: Planes,
-    fits: [Planes; SCALES],
-}
-
-impl Half {
+impl<'a> Candidates<'a> {
     /// The fits have the guides of the other half. With their own, fits would follow what random numbers have in common
     /// in guides and light: in glass, samples that are reflected and samples that are not see other surfaces.
-    fn new(film: &Film, guides: &Guides) -> Self {
-        let samples = Planes::of_film(film, 0..film.held.len());
-        let dimmed = dimmed(&samples);
-        let fits = fit(guides, &dimmed);
-        Self { samples, dimmed, fits }
+    pub fn new(halves: &'a Halves) -> Self {
+        let [first, second] = &halves.films;
+        let guides: [Guides; 2] = rayon::join(|| Guides::new(first), || Guides::new(second)).into();
+        let [a, b] = &halves.dimmed;
+        let fits = rayon::join(|| fit(&guides[1], &guides[1], a), || fit(&guides[0], &guides[0], b)).into();
+        let samples = halves.films.each_ref().map(|film| Planes::of_film(film, 0..film.held.len()));
+        let floors = (0..first.held.len()).map(|layer| floor(halves, layer)).collect();
+        Self { halves, samples, guides, fits, floors }
     }
 
-    /// The candidates in a row of a layer.
-    fn row(&self, layer: usize, y: usize) -> [[&[f32]; 3]; CANDIDATES] {
-        let [a, b, c, d] = &self.fits;
-        [&self.samples, &self.dimmed, a, b, c, d].map(|light| light.channels(layer, y))
-    }
-}
-
-impl Candidates {
-    pub fn new([first, second]: [&Film; 2]) -> Self {
-        let half = |film: &Film, other: &Film| Half::new(film, &Guides::new(other));
-        let halves: [Half; 2] = rayon::join(|| half(first, second), || half(second, first)).into();
-        let floor = |layer: usize| {
-            let light = |half: &Half, y: usize| -> f64 {
-                let [red, green, blue] = half.dimmed.channels(layer, y);
-                let pixels = red.iter().zip(green).zip(blue);
-                pixels.map(|((red, green), blue)| f64::from(red + green + blue)).sum()
-            };
-            let rows = (0..first.height as usize).flat_map(|y| halves.each_ref().map(|half| light(half, y)));
-            let dark = DARK * rows.sum::<f64>() / (2.0 * f64::from(first.width) * f64::from(first.height));
-            (dark * dark) as f32
-        };
-        let floors = (0..first.held.len()).map(floor).collect();
-        Self { halves, floors }
+    /// The candidates of a layer, with those from the samples of neighbours, if there are any.
+    pub fn of_layer(&self, layer: usize, neighbors: &[Neighbor]) -> LayerCandidates<'_> {
+        let pooled = (!neighbors.is_empty()).then(|| {
+            let id = self.halves.film().held[layer];
+            let of_layer = (id, layer, self.floors[layer]);
+            let Pooled { light, guides, shown, still } =
+                Pooled::new(self.halves, self.guides.each_ref(), neighbors, of_layer);
+            let [a, b] = &light;
+            let shown = shown.as_ref().unwrap_or(&self.guides);
+            let fits = rayon::join(|| fit(&guides[1], &shown[1], a), || fit(&guides[0], &shown[0], b)).into();
+            PooledCandidates { light, fits, still }
+        });
+        LayerCandidates { all: self, layer, pooled }
     }
 
     pub fn size(&self) -> (usize, usize) {
-        self.halves[0].samples.size()
+        self.samples[0].size()
+    }
+}
+
+/// What is added to the square of a pixel's light in a layer.
+fn floor(halves: &Halves, layer: usize) -> f32 {
+    let light = |half: &Planes, y: usize| -> f64 {
+        let [red, green, blue] = half.channels(layer, y);
+        let pixels = red.iter().zip(green).zip(blue);
+        pixels.map(|((red, green), blue)| f64::from(red + green + blue)).sum()
+    };
+    let (width, height) = halves.dimmed[0].size();
+    let rows = (0..height).flat_map(|y| halves.dimmed.each_ref().map(|half| light(half, y)));
+    let dark = DARK * rows.sum::<f64>() / (2.0 * width as f64 * height as f64);
+    (dark * dark) as f32
+}
+
+/// The candidates of a layer that the samples of neighbours give, three planes each.
+struct PooledCandidates {
+    light: [Planes; 2],
+    fits: [[Planes; POOLED_SCALES]; 2],
+    still: Planes,
+}
+
+/// The candidates of all pixels in a layer.
+pub struct LayerCandidates<'a> {
+    all: &'a Candidates<'a>,
+    layer: usize,
+    pooled: Option<PooledCandidates>,
+}
+
+impl LayerCandidates<'_> {
+    /// The number of candidates.
+    pub fn count(&self) -> usize {
+        if self.pooled.is_some() { CANDIDATES } else { ALONE }
     }
 
-    /// The samples of both halves in a row of a layer, per channel.
-    pub fn samples(&self, layer: usize, y: usize) -> [[&[f32]; 2]; 3] {
-        [0, 1, 2].map(|channel| self.halves.each_ref().map(|half| half.samples.row(3 * layer + channel, y)))
+    pub fn size(&self) -> (usize, usize) {
+        self.all.size()
     }
 
-    /// The candidates of both halves in a row of a layer.
-    pub fn row(&self, layer: usize, y: usize) -> CandidateRow<'_> {
+    /// The samples of both halves in a row, per channel.
+    pub fn samples(&self, y: usize) -> [[&[f32]; 2]; 3] {
+        [0, 1, 2].map(|channel| self.all.samples.each_ref().map(|half| half.row(3 * self.layer + channel, y)))
+    }
+
+    /// The candidates of both halves in a row.
+    pub fn row(&self, y: usize) -> CandidateRow<'_> {
         CandidateRow {
-            halves: self.halves.each_ref().map(|half| half.row(layer, y)),
-            floor: self.floors[layer],
+            halves: [0, 1].map(|half| from_fn(|candidate| self.channels(half, candidate, y))),
+            count: self.count(),
+            floor: self.all.floors[self.layer],
+            still: self.pooled.as_ref().map(|pooled| pooled.still.row(0, y)),
+        }
+    }
+
+    /// A candidate of a half in a row. Those that do not exist are empty.
+    fn channels(&self, half: usize, candidate: usize, y: usize) -> [&[f32]; 3] {
+        let Self { all, layer, pooled } = self;
+        match (candidate, pooled) {
+            (0, _) => all.samples[half].channels(*layer, y),
+            (1, _) => all.halves.dimmed[half].channels(*layer, y),
+            (2..ALONE, _) => all.fits[half][candidate - 2].channels(*layer, y),
+            (ALONE, Some(pooled)) => pooled.light[half].channels(0, y),
+            (_, Some(pooled)) => pooled.fits[half][candidate - ALONE - 1].channels(0, y),
+            (_, None) => [&[]; 3],
         }
     }
 }
@@ -92,10 +150,18 @@ impl Candidates {
 /// The candidates of a row of pixels in a layer.
 pub struct CandidateRow<'a> {
     halves: [[[&'a [f32]; 3]; CANDIDATES]; 2],
+    count: usize,
     floor: f32,
+    still: Option<&'a [f32]>,
 }
 
 impl CandidateRow<'_> {
+    /// The number of candidates.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
     /// A candidate of both halves at eight pixels.
     #[inline(always)]
     pub fn at<S: Single>(&self, candidate: usize, x: usize) -> [Color<S>; 2] {
@@ -108,6 +174,15 @@ impl CandidateRow<'_> {
     pub fn mean<S: Single>(&self, candidate: usize, x: usize) -> Color<S> {
         let [first, second] = self.at::<S>(candidate, x);
         (first + second) * S::splat(0.5)
+    }
+
+    /// What the neighbours weigh that see the points of eight pixels through the same pixels.
+    #[inline(always)]
+    pub fn still<S: Single>(&self, x: usize) -> S {
+        match self.still {
+            Some(row) => S::load(row, x),
+            None => S::splat(0.0),
+        }
     }
 
     /// The squared difference of a candidate to the samples that is at least there in both halves, in the same

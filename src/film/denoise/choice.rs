@@ -1,8 +1,8 @@
 //! Chooses among the candidates for every pixel, by their measured errors around it.
 
 use super::audits::AuditRow;
-use super::calibration::{Calibration, LEAST, is_detail};
-use super::candidates::{CANDIDATES, CandidateRow};
+use super::calibration::{Calibration, is_detail};
+use super::candidates::{ALONE, CANDIDATES, CandidateRow};
 use super::planes::Planes;
 use super::trust::Change;
 use crate::base::lanes::{Color, Level, Row, Select, SimdKernel, Single};
@@ -13,6 +13,9 @@ use crate::base::lanes::{Color, Level, Row, Select, SimdKernel, Single};
 /// exceptions. Outliers are lonely, so only the whole picture shows whether samples have a smaller error without them.
 /// And details as small as a pixel are known only there: a candidate that differs from both halves, far more than they
 /// differ from each other around it, is refused.
+///
+/// Where neighbours see points through the same pixels, fits to the samples of one picture count as much less as they have
+/// fewer samples: the pooled ones are as sharp, and estimates are too coarse to show how much better they are.
 ///
 /// The audits enter by sums over the picture alone, so what is chosen at a pixel hardly depends on their samples there.
 pub struct MixRow<'a> {
@@ -36,7 +39,7 @@ impl SimdKernel for MixRow<'_> {
         for x in (0..self.around.stride).step_by(L::F32::LANES) {
             let weights = self.weights::<L::F32>(x);
             let mut mixed = Color::<L::F32>::black();
-            for (candidate, weight) in weights.into_iter().enumerate() {
+            for (candidate, weight) in weights.into_iter().enumerate().take(self.candidates.count()) {
                 mixed = mixed + self.candidates.mean(candidate, x) * weight;
             }
             let samples = self.candidates.mean::<L::F32>(0, x);
@@ -52,16 +55,21 @@ impl SimdKernel for MixRow<'_> {
     }
 }
 
+/// What is added to the errors of all candidates, as a share of that of the samples: so much the estimates around a pixel
+/// vary by chance.
+const UNCERTAIN: f32 = 0.2;
+
 impl MixRow<'_> {
     /// The weights of the candidates at eight pixels. If the samples have no error, they are the picture.
     #[inline(always)]
     fn weights<S: Single>(&self, x: usize) -> [S; CANDIDATES] {
         let (zero, one) = (S::splat(0.0), S::splat(1.0));
         let samples = S::load(self.around.row(0, self.y), x);
-        let least = S::splat(LEAST * self.calibration.samples[0].min(self.calibration.samples[1]));
+        let least = S::splat(UNCERTAIN * self.calibration.samples[0].min(self.calibration.samples[1]));
+        let still = self.candidates.still::<S>(x);
         let mut is_known = zero.lt(samples);
         let (mut weights, mut sum) = ([zero; CANDIDATES], zero);
-        for (candidate, weight) in weights.iter_mut().enumerate() {
+        for (candidate, weight) in weights.iter_mut().enumerate().take(self.candidates.count()) {
             let error = S::load(self.around.row(candidate, self.y), x);
             is_known = is_known & error.lt(S::splat(f32::INFINITY));
             let relative = match self.calibration.samples.get(candidate) {
@@ -72,8 +80,12 @@ impl MixRow<'_> {
             let refused = S::select(is_detail(difference, samples), difference, zero);
             let error = relative + refused / samples + least;
             // The samples are there twice, mostly alike.
-            let share = if candidate < 2 { 0.5 } else { 1.0 };
-            *weight = S::splat(share) / (error * error);
+            let share = match candidate {
+                0 | 1 => S::splat(0.5),
+                2..ALONE => one / (one + still),
+                _ => one,
+            };
+            *weight = share / (error * error);
             sum = sum + *weight;
         }
         for (candidate, weight) in weights.iter_mut().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::super::Film;
 use super::columns::Columns;
-use super::planes::{COLUMN, read_line};
+use super::planes::{COLUMN, Planes, read_line};
 use crate::base::lanes::{Real, Row, Single};
 use crate::film::aov::GUIDES;
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ pub const COUNT: usize = POSITION + 2;
 pub const POSITION: usize = 7;
 
 /// The places of the guides before positions among the channels of the film's guides, which begin with closeness.
-const PLANES: [usize; POSITION] = [6, 7, 8, 3, 4, 5, 0];
+const CHANNELS: [usize; POSITION] = [6, 7, 8, 3, 4, 5, 0];
 
 /// The number of features of a pixel: 1, and its guides. A linear function of the guides with a constant is a linear
 /// form of the features.
@@ -23,6 +23,8 @@ pub const FEATURES: usize = COUNT + 1;
 /// The guides of all pixels of a picture, in lanes.
 pub struct Guides {
     columns: Columns,
+    /// By what closeness is multiplied.
+    unit: f32,
     height: usize,
     /// Per row: the guides without positions.
     values: Vec<f32>,
@@ -37,17 +39,32 @@ impl Guides {
     /// The guides of a film. Closeness is 1 over the distance, which is linear in the position on planes, relative to
     /// its mean over the picture.
     pub fn new(film: &Film) -> Self {
-        let (width, height) = (film.width as usize, film.height as usize);
-        let (columns, first) = (Columns::new(width), film.layers() - GUIDES);
-        let unit = unit_of_closeness(film, first);
+        let unit = unit_of_closeness(film, film.layers() - GUIDES);
+        Self::of_rows((film.width, film.height), unit, |y, row| read_guides(film, y, row))
+    }
+
+    /// Guides whose closeness has the unit of these, from planes as [`guide_planes`] gives them.
+    pub fn with_planes(&self, planes: &Planes) -> Self {
+        let size = (planes.width as u32, planes.height as u32);
+        Self::of_rows(size, self.unit, |y, row| {
+            for (guide, row) in row.chunks_exact_mut(planes.stride).enumerate() {
+                row.copy_from_slice(planes.row(guide, y));
+            }
+        })
+    }
+
+    /// `read` writes the guides of a row without positions, each padded to whole columns.
+    fn of_rows((width, height): (u32, u32), unit: f32, read: impl Fn(usize, &mut [f32]) + Sync) -> Self {
+        let (width, height) = (width as usize, height as usize);
+        let columns = Columns::new(width);
         let mut values = vec![0.0; height * POSITION * columns.of_row()];
         let rows = values.par_chunks_exact_mut(POSITION * columns.of_row()).enumerate();
         rows.for_each(|(y, values)| {
-            let mut line = vec![0.0; 3 * GUIDES * columns.pixels()];
-            read_line(film, first..first + GUIDES, y, &mut line);
-            line.iter_mut().for_each(|guide| *guide = finite(*guide));
-            for (plane, values) in PLANES.into_iter().zip(values.chunks_exact_mut(columns.of_row())) {
-                columns.spread(&line[plane * columns.pixels()..][..columns.pixels()], values);
+            let mut row = vec![0.0; POSITION * columns.pixels()];
+            read(y, &mut row);
+            let guides = row.chunks_exact(columns.pixels());
+            for (guide, values) in guides.zip(values.chunks_exact_mut(columns.of_row())) {
+                columns.spread(guide, values);
             }
             let closeness = &mut values[(POSITION - 1) * columns.of_row()..];
             closeness.iter_mut().for_each(|near| *near = finite(*near * unit));
@@ -61,7 +78,7 @@ impl Guides {
         };
         columns.spread(&places(|_| 1.0), inside);
         columns.spread(&places(|x| x as f32), along);
-        Self { columns, height, values, row }
+        Self { columns, unit, height, values, row }
     }
 
     /// The features of eight pixels of a row: of those at the same place in columns from `column` on. Beside the
@@ -81,6 +98,24 @@ impl Guides {
             features[POSITION + 2] = inside * F::splat(y as f64);
         }
         features
+    }
+}
+
+/// The guides of a film without positions, a plane each. Closeness has no unit yet.
+pub fn guide_planes(film: &Film) -> Planes {
+    let mut planes = Planes::new((film.width as usize, film.height as usize), POSITION);
+    planes.par_lines_mut().enumerate().for_each(|(y, row)| read_guides(film, y, row));
+    planes
+}
+
+/// Reads the guides of a row without positions, each padded to whole columns.
+fn read_guides(film: &Film, y: usize, into: &mut [f32]) {
+    let (first, stride) = (film.layers() - GUIDES, into.len() / POSITION);
+    let mut line = vec![0.0; 3 * GUIDES * stride];
+    read_line(film, first..first + GUIDES, y, &mut line);
+    for (channel, into) in CHANNELS.into_iter().zip(into.chunks_exact_mut(stride)) {
+        let guides = &line[channel * stride..][..stride];
+        into.iter_mut().zip(guides).for_each(|(into, guide)| *into = finite(*guide));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::super::Film;
 use super::audits::AuditRow;
-use super::candidates::{CANDIDATES, CandidateRow, Candidates};
+use super::candidates::{CANDIDATES, CandidateRow, LayerCandidates};
 use super::planes::Planes;
 use crate::base::lanes::{Level, Mask, Row, Select, SimdKernel, Single, dispatch};
 use rayon::prelude::*;
@@ -26,11 +26,11 @@ impl Measured {
     pub const BYTES_PER_PIXEL: u64 = (ESTIMATES * size_of::<f32>()) as u64;
 
     /// The estimates for a layer. Beside the picture, they are zero.
-    pub fn new(candidates: &Candidates, layer: usize, audits: [&Film; 2]) -> Self {
+    pub fn new(candidates: &LayerCandidates, layer: usize, audits: [&Film; 2]) -> Self {
         let mut errors = Planes::new(candidates.size(), ESTIMATES);
         errors.par_lines_mut().enumerate().for_each(|(y, into)| {
             let audits = AuditRow::new(audits, layer, y);
-            dispatch(MeasureRow { candidates: candidates.row(layer, y), audits, into });
+            dispatch(MeasureRow { candidates: candidates.row(y), audits, into });
         });
         Self(errors)
     }
@@ -38,11 +38,17 @@ impl Measured {
     /// The squared errors of a candidate in a row.
     #[inline(always)]
     pub fn row(&self, by: By, candidate: usize, y: usize) -> &[f32] {
-        self.0.row(by as usize * CANDIDATES + candidate, y)
+        self.0.row(Self::plane(by, candidate), y)
     }
 
-    pub fn size(&self) -> (usize, usize) {
-        self.0.size()
+    /// All planes.
+    pub fn planes(&self) -> &Planes {
+        &self.0
+    }
+
+    /// The plane of the squared errors of a candidate.
+    pub const fn plane(by: By, candidate: usize) -> usize {
+        by as usize * CANDIDATES + candidate
     }
 }
 
@@ -73,7 +79,7 @@ impl SimdKernel for MeasureRow<'_> {
             let audits = audits.at::<L::F32>(x);
             let (samples, unit) = ((a - b).length_squared(), candidates.unit::<L::F32>(x));
             let mut all = [zero; ESTIMATES];
-            for candidate in 0..CANDIDATES {
+            for candidate in 0..candidates.count() {
                 let [first, second] = candidates.at(candidate, x);
                 let crossed = (first - b).length_squared() + (second - a).length_squared();
                 let error = (crossed - samples) * half - (first - second).length_squared() * quarter;

@@ -20,7 +20,9 @@ mod choice;
 mod columns;
 mod error;
 mod guides;
+mod halves;
 mod measured;
+mod neighbors;
 mod outliers;
 mod planes;
 mod regression;
@@ -31,6 +33,8 @@ mod trial;
 mod trust;
 
 pub use error::RemainingError;
+pub use halves::Halves;
+pub use neighbors::{Neighbor, Reprojection};
 pub use trial::trial;
 
 use super::aov::GUIDES;
@@ -39,7 +43,7 @@ use crate::base::color::Rgb;
 use crate::base::lanes::dispatch;
 use audits::AuditRow;
 use calibration::Calibration;
-use candidates::Candidates;
+use candidates::{Candidates, LayerCandidates};
 use choice::MixRow;
 use columns::Columns;
 use guides::Guides;
@@ -51,20 +55,14 @@ use surroundings::surroundings;
 use trust::Trust;
 
 /// Films of the same scene that make one denoised film.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct SampleFilms<'a> {
-    /// The samples of the picture, half of them each, with guides.
-    pub halves: [&'a Film; 2],
+    /// The samples of the picture.
+    pub halves: &'a Halves,
+    /// Pictures before and after it that may show the same light.
+    pub neighbors: &'a [Neighbor<'a>],
     /// Two sets of samples that are independent of all others.
     pub audits: [&'a Film; 2],
-}
-
-impl SampleFilms<'_> {
-    /// The mean of both halves, in a layer of light or of an AOV.
-    fn samples(&self, pixel: usize, layer: usize) -> Rgb {
-        let [first, second] = self.halves.map(|film| film.pixel(pixel)[layer]);
-        (first + second) * 0.5
-    }
 }
 
 /// Samples per pixel of each audit of a picture of so many samples.
@@ -77,20 +75,27 @@ pub fn samples_of_audit(picture: u32) -> u32 {
 const BYTES_OF_LAYER: u64 =
     Measured::BYTES_PER_PIXEL + ((candidates::CANDIDATES + trust::NUMBERS) * size_of::<f32>()) as u64;
 
-/// Bytes that denoising a picture of this size takes besides the film, if it has so many layers of light.
-pub fn bytes((width, height): (u32, u32), layers: u64) -> u64 {
+/// Bytes that denoising a picture of this size takes besides the film, if it has so many layers of light and that many
+/// neighbours.
+pub fn bytes((width, height): (u32, u32), layers: u64, neighbors: u64) -> u64 {
     // Rows are padded: all numbers to columns, and guides to eight of these.
     let columns = Columns::new(width as usize);
     let [row, guides] = [columns.pixels(), columns.of_row()].map(|pixels| pixels as u64 * u64::from(height));
     // All films, and the filtered light.
-    let light = (2 * (layers + GUIDES as u64) + 2 * layers + layers).saturating_mul(size_of::<Rgb>() as u64);
-    let pixel = light.saturating_add(candidates::bytes_of_pixel(layers)).saturating_add(BYTES_OF_LAYER);
+    let films = 2 * (layers + GUIDES as u64) * (1 + neighbors) + 2 * layers + layers;
+    let halves = Halves::bytes_of_pixel(layers).saturating_mul(1 + neighbors);
+    let light = films.saturating_mul(size_of::<Rgb>() as u64).saturating_add(halves);
+    let pooled = if neighbors > 0 { candidates::BYTES_OF_POOLED } else { 0 };
+    let pixel =
+        light.saturating_add(candidates::bytes_of_pixel(layers)).saturating_add(BYTES_OF_LAYER + pooled);
+    let reprojected = neighbors * Reprojection::BYTES_PER_PIXEL;
+    let pixel = pixel.saturating_add(reprojected);
     row.saturating_mul(pixel).saturating_add(2 * guides * Guides::BYTES_PER_PIXEL)
 }
 
 /// Denoises a picture. The film holds no guides. `samples` is the number of samples per pixel of all films.
 pub fn denoise(films: &SampleFilms, samples: f64) -> Film {
-    let [first, _] = films.halves;
+    let first = films.halves.film();
     let aovs = AovSet { guides: false, ..first.aovs };
     let mut film = Film::with_aovs(first.width, first.height, first.weights.clone(), aovs);
     let filtered = filter(films);
@@ -104,13 +109,13 @@ pub fn denoise(films: &SampleFilms, samples: f64) -> Film {
         }
         for (x, pixel) in row.chunks_exact_mut(layers).enumerate() {
             for (layer, value) in pixel.iter_mut().enumerate().skip(lights) {
-                *value = films.samples(y * width + x, layer);
+                *value = films.halves.mean(y * width + x, layer);
             }
         }
     });
     film.samples = aovs.samples.then(|| {
         let pixels = 0..first.width as usize * first.height as usize;
-        let samples = |pixel| (0..lights).map(move |layer| films.samples(pixel, layer));
+        let samples = |pixel| (0..lights).map(move |layer| films.halves.mean(pixel, layer));
         Arc::new(pixels.flat_map(samples).collect())
     });
     let remaining = RemainingError::measure(&film, &films.audits, samples);
@@ -121,25 +126,25 @@ pub fn denoise(films: &SampleFilms, samples: f64) -> Film {
 
 /// The filtered light of all layers.
 fn filter(films: &SampleFilms) -> Planes {
-    let [film, _] = films.halves;
+    let film = films.halves.film();
     let layers = film.held.len();
     let mut filtered = Planes::new((film.width as usize, film.height as usize), 3 * layers);
     let candidates = Candidates::new(films.halves);
     for layer in 0..layers {
-        filter_layer(&candidates, layer, films.audits, &mut filtered);
+        filter_layer(&candidates.of_layer(layer, films.neighbors), layer, films.audits, &mut filtered);
     }
     filtered
 }
 
 /// Filters a layer of light.
-fn filter_layer(candidates: &Candidates, layer: usize, audits: [&Film; 2], filtered: &mut Planes) {
+fn filter_layer(candidates: &LayerCandidates, layer: usize, audits: [&Film; 2], filtered: &mut Planes) {
     let measured = Measured::new(candidates, layer, audits);
-    let around = surroundings(&measured);
-    let calibration = Calibration::new(candidates, layer, &measured, &around);
+    let around = surroundings(&measured, candidates.count());
+    let calibration = Calibration::new(candidates, &measured, &around);
     let (stride, mut changes) = (filtered.stride, Planes::new(filtered.size(), trust::NUMBERS));
     let of_layer = 3 * layer * stride;
     filtered.par_lines_mut().zip(changes.par_lines_mut()).enumerate().for_each(|(y, (line, changes))| {
-        let candidates = candidates.row(layer, y);
+        let candidates = candidates.row(y);
         let audits = AuditRow::new(audits, layer, y);
         let light = channels_mut(&mut line[of_layer..][..3 * stride], stride);
         let (around, calibration) = (&around, &calibration);
@@ -147,7 +152,7 @@ fn filter_layer(candidates: &Candidates, layer: usize, audits: [&Film; 2], filte
     });
     let trust = Trust::new(&changes);
     filtered.par_lines_mut().enumerate().for_each(|(y, line)| {
-        let (samples, shares) = (candidates.samples(layer, y), trust.samples(y, &changes));
+        let (samples, shares) = (candidates.samples(y), trust.samples(y, &changes));
         for (light, halves) in line[of_layer..].chunks_exact_mut(stride).zip(samples) {
             for (x, share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
                 light[x] += ((halves[0][x] + halves[1][x]) * 0.5 - light[x]) * share;

@@ -36,6 +36,27 @@ impl Planes {
         planes
     }
 
+    /// The channels of a layer, as planes of their own.
+    pub fn layer(&self, layer: usize) -> Self {
+        let mut planes = Self::new(self.size(), 3);
+        planes.par_lines_mut().enumerate().for_each(|(y, line)| {
+            for (channel, into) in self.channels(layer, y).into_iter().zip(line.chunks_exact_mut(self.stride))
+            {
+                into.copy_from_slice(channel);
+            }
+        });
+        planes
+    }
+
+    /// Adds the numbers of planes like these.
+    pub fn add(&mut self, other: &Self) {
+        self.data
+            .par_iter_mut()
+            .zip(&other.data)
+            .with_min_len(1 << 12)
+            .for_each(|(own, other)| *own += other);
+    }
+
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
     }
@@ -44,6 +65,18 @@ impl Planes {
     #[inline]
     pub fn row(&self, plane: usize, y: usize) -> &[f32] {
         &self.data[(y * self.count + plane) * self.stride..][..self.stride]
+    }
+
+    /// Where the numbers of a pixel are, given its row and column.
+    #[inline]
+    pub fn offset(&self, [y, x]: [usize; 2]) -> usize {
+        y * self.count * self.stride + x
+    }
+
+    /// A number of the pixel at an offset.
+    #[inline]
+    pub fn at_offset(&self, plane: usize, offset: usize) -> f32 {
+        self.data[offset + plane * self.stride]
     }
 
     /// The channels of a layer of light in a row.
@@ -58,12 +91,12 @@ impl Planes {
 
     /// All planes of each row, for writing in parallel.
     pub fn par_lines_mut(&mut self) -> rayon::slice::ChunksMut<'_, f32> {
-        self.par_bands_mut(1)
+        self.data.par_chunks_mut((self.count * self.stride).max(1))
     }
 
-    /// All planes of so many rows at a time, for writing in parallel.
-    pub fn par_bands_mut(&mut self, rows: usize) -> rayon::slice::ChunksMut<'_, f32> {
-        self.data.par_chunks_mut((rows * self.count * self.stride).max(1))
+    /// All planes of so many rows at a time, for writing.
+    pub fn bands_mut(&mut self, rows: usize) -> std::slice::ChunksMut<'_, f32> {
+        self.data.chunks_mut((rows * self.count * self.stride).max(1))
     }
 
     /// The light of a pixel.

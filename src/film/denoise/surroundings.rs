@@ -1,40 +1,46 @@
-//! The errors of the candidates around each pixel.
+//! Weighted sums around each pixel, and the errors of the candidates there.
 
-use super::candidates::CANDIDATES;
 use super::measured::{By, Measured};
 use super::planes::Planes;
-use crate::base::lanes::{Level, Row, SimdKernel, Single, dispatch};
+use crate::base::lanes::{Level, Row, SimdKernel, dispatch};
 use rayon::prelude::*;
 
-/// Weights of the errors of pixels at a distance of 0, 1, … along an axis.
-const KERNEL: [f32; 7] = [7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0];
-
-/// How far errors count along an axis, in pixels.
-const REACH: usize = KERNEL.len() - 1;
+/// How far errors of candidates count along an axis, in pixels.
+const REACH: usize = 6;
 
 /// What is before a row of sums, and after it, so that lanes find zeros there.
 const MARGIN: usize = 8;
 
-/// The mean errors of the candidates around each pixel, without the pixel itself, not below 0: a plane for each
-/// candidate.
-pub fn surroundings(measured: &Measured) -> Planes {
-    let (width, height) = measured.size();
-    let mut means = Planes::new((width, height), CANDIDATES);
+/// The weight of pixels at a distance along an axis.
+#[inline(always)]
+fn weight(distance: usize, reach: usize) -> f32 {
+    (reach + 1 - distance) as f32
+}
+
+/// The weight of a pixel itself, which sums around it leave out.
+fn own_weight(reach: usize) -> f32 {
+    weight(0, reach) * weight(0, reach)
+}
+
+/// The mean errors of so many candidates around each pixel, without the pixel itself: a plane for each candidate. They may
+/// be negative by chance; that of the samples is at least 0.
+pub fn surroundings(measured: &Measured, candidates: usize) -> Planes {
+    let (width, height) = measured.planes().size();
+    let mut means = Planes::new((width, height), candidates);
     let stride = means.stride;
     let in_rows: Vec<f32> = (0..stride).map(|x| weights(x.min(width - 1), width)).collect();
     means.par_lines_mut().enumerate().for_each(|(y, line)| {
         let in_column = weights(y, height);
-        let mut sums = vec![0.0; stride + 2 * MARGIN];
+        let mut sums = Sums::new(stride);
         for (candidate, into) in line.chunks_exact_mut(stride).enumerate() {
-            dispatch(MeanErrors {
-                measured,
-                candidate,
-                y,
-                in_rows: &in_rows,
-                in_column,
-                sums: &mut sums,
-                into,
-            });
+            let plane = Measured::plane(By::Halves, candidate);
+            sums.add((measured.planes(), plane), (y, REACH), into);
+            for (sum, in_row) in into.iter_mut().zip(&in_rows) {
+                *sum /= in_row * in_column - own_weight(REACH);
+            }
+            if candidate == 0 {
+                into.iter_mut().for_each(|mean| *mean = mean.max(0.0));
+            }
         }
     });
     means
@@ -43,48 +49,60 @@ pub fn surroundings(measured: &Measured) -> Planes {
 /// The sum of the weights of the pixels around a place on an axis. Places outside of the picture do not count.
 fn weights(center: usize, length: usize) -> f32 {
     let near = center.saturating_sub(REACH)..length.min(center + REACH + 1);
-    near.map(|place| KERNEL[place.abs_diff(center)]).sum()
+    near.map(|place| weight(place.abs_diff(center), REACH)).sum()
 }
 
-/// The mean errors of a candidate in a row.
-struct MeanErrors<'a> {
-    measured: &'a Measured,
-    candidate: usize,
-    y: usize,
-    /// The sums of weights along the row.
-    in_rows: &'a [f32],
-    in_column: f32,
+/// The sums of numbers around the pixels of a row.
+pub struct Sums {
     /// The sums of columns, with margins of zeros.
-    sums: &'a mut [f32],
+    columns: Vec<f32>,
+}
+
+impl Sums {
+    pub fn new(stride: usize) -> Self {
+        Self { columns: vec![0.0; stride + 2 * MARGIN] }
+    }
+
+    /// Writes the weighted sums of the numbers of a plane around each pixel of row `y`, without the pixel itself, up to
+    /// `reach` pixels along both axes, at most seven.
+    pub fn add(&mut self, (planes, plane): (&Planes, usize), (y, reach): (usize, usize), into: &mut [f32]) {
+        dispatch(SumAround { planes, plane, y, reach, columns: &mut self.columns, into });
+    }
+}
+
+struct SumAround<'a> {
+    planes: &'a Planes,
+    plane: usize,
+    y: usize,
+    reach: usize,
+    columns: &'a mut [f32],
     into: &'a mut [f32],
 }
 
-impl SimdKernel for MeanErrors<'_> {
+impl SimdKernel for SumAround<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { measured, candidate, y, in_rows, in_column, sums, into } = self;
-        let (zero, own) = (L::F32::splat(0.0), measured.row(By::Halves, candidate, y));
-        let near = y.saturating_sub(REACH)..measured.size().1.min(y + REACH + 1);
+        let Self { planes, plane, y, reach, columns, into } = self;
+        let zero = L::F32::splat(0.0);
         for x in (0..into.len()).step_by(L::F32::LANES) {
             let mut sum = zero;
-            for other in near.clone() {
-                let errors = measured.row(By::Halves, candidate, other);
-                sum = sum + L::F32::splat(KERNEL[other.abs_diff(y)]) * L::F32::load(errors, x);
+            for other in y.saturating_sub(reach)..planes.height.min(y + reach + 1) {
+                let weight = L::F32::splat(weight(other.abs_diff(y), reach));
+                sum = sum + weight * L::F32::load(planes.row(plane, other), x);
             }
-            sum.store(sums, MARGIN + x);
+            sum.store(columns, MARGIN + x);
         }
-        let center = L::F32::splat(KERNEL[0] * KERNEL[0]);
+        let (center, own) = (L::F32::splat(weight(0, reach)), planes.row(plane, y));
         for x in (0..into.len()).step_by(L::F32::LANES) {
-            let mut sum = L::F32::splat(KERNEL[0]) * L::F32::load(sums, MARGIN + x);
-            for (offset, weight) in KERNEL.into_iter().enumerate().skip(1) {
+            let mut sum = center * L::F32::load(columns, MARGIN + x);
+            for offset in 1..=reach {
                 let [left, right] = [MARGIN + x - offset, MARGIN + x + offset];
-                sum = sum + L::F32::splat(weight) * (L::F32::load(sums, left) + L::F32::load(sums, right));
+                let both = L::F32::load(columns, left) + L::F32::load(columns, right);
+                sum = sum + L::F32::splat(weight(offset, reach)) * both;
             }
-            let total = L::F32::load(in_rows, x) * L::F32::splat(in_column) - center;
-            let mean = (sum - center * L::F32::load(own, x)) / total;
-            mean.max(zero).store(into, x);
+            (sum - center * center * L::F32::load(own, x)).store(into, x);
         }
     }
 }

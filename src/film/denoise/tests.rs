@@ -1,5 +1,6 @@
 use super::*;
 use crate::base::lanes::tests::on_all_levels;
+use crate::base::math::DVec2;
 use crate::film::LayerId;
 use crate::testing::Random;
 use glam::Vec3;
@@ -26,8 +27,29 @@ struct Films([Film; 4]);
 
 impl Films {
     fn denoise(&self) -> Film {
-        let [first, second, a, b] = &self.0;
-        denoise(&SampleFilms { halves: [first, second], audits: [a, b] }, SAMPLES)
+        self.denoise_with(&[])
+    }
+
+    /// The film with neighbours, whose pixels see the same as those so many columns to the right.
+    fn denoise_with(&self, others: &[(Films, usize)]) -> Film {
+        let others: Vec<(Halves, usize)> = others.iter().map(|(films, by)| (films.halves(), *by)).collect();
+        let shifted = |by: usize| {
+            let place = |pixel: usize| {
+                let [x, y] = [pixel % SIZE.0 as usize, pixel / SIZE.0 as usize].map(|at| at as f64 + 0.5);
+                Some((DVec2::new(x - by as f64, y), ()))
+            };
+            Reprojection::new(SIZE, place, |_, ()| true)
+        };
+        let neighbors: Vec<Neighbor> =
+            others.iter().map(|(halves, by)| Neighbor::new(halves, shifted(*by))).collect();
+        let [_, _, a, b] = &self.0;
+        let films = SampleFilms { halves: &self.halves(), neighbors: &neighbors, audits: [a, b] };
+        denoise(&films, SAMPLES)
+    }
+
+    fn halves(&self) -> Halves {
+        let [first, second, ..] = &self.0;
+        Halves::new([first.clone(), second.clone()])
     }
 
     /// The samples of both halves, without a filter.
@@ -46,6 +68,11 @@ const SAMPLES: f64 = 10.0;
 /// Films of the truth. Halves have noise of the standard deviation `noise`, in proportion to the light; audits have a
 /// quarter of their samples.
 fn noisy(layers: usize, noise: f32, seed: u64) -> Films {
+    noisy_from(0, layers, noise, seed)
+}
+
+/// Films of the truth from a column on.
+fn noisy_from(first: u32, layers: usize, noise: f32, seed: u64) -> Films {
     let mut random = Random(seed);
     let films = [(noise, true), (noise, true), (2.0 * noise, false), (2.0 * noise, false)];
     Films(films.map(|(noise, guides)| {
@@ -53,7 +80,7 @@ fn noisy(layers: usize, noise: f32, seed: u64) -> Films {
         let mut film = Film::with_aovs(SIZE.0, SIZE.1, vec![Rgb::ONE; layers], aovs);
         let count = film.layers();
         for (pixel, data) in film.data_mut().chunks_exact_mut(count).enumerate() {
-            let (x, y) = (pixel as u32 % SIZE.0, pixel as u32 / SIZE.0);
+            let (x, y) = (first + pixel as u32 % SIZE.0, pixel as u32 / SIZE.0);
             for (layer, value) in data[..layers].iter_mut().enumerate() {
                 // Twelve uniform numbers add up to nearly normal noise of the variance 1.
                 let mut normal = || (0..12).map(|_| random.unit() as f32).sum::<f32>() - 6.0;
@@ -105,6 +132,54 @@ fn denoised_films_converge() {
     let films = noisy(2, 0.0, 2);
     assert_eq!(films.denoise().data.len(), films.0[0].held.len() * (SIZE.0 * SIZE.1) as usize);
     assert!(squared_error(&films.denoise(), &weights) < 1e-12);
+}
+
+/// Four neighbours of the same light, moved by so many columns each, and changed.
+fn neighbors(by: [u32; 4], noise: f32, change: impl Fn(usize, &mut Rgb)) -> Vec<(Films, usize)> {
+    let moved = |(seed, by): (u64, u32)| {
+        let mut films = noisy_from(by, 2, noise, 40 + seed);
+        for film in &mut films.0[..2] {
+            let count = film.layers();
+            let pixels = film.data_mut().chunks_exact_mut(count).enumerate();
+            pixels.for_each(|(pixel, data)| change(pixel, &mut data[1]));
+        }
+        (films, by as usize)
+    };
+    (0..).zip(by).map(moved).collect()
+}
+
+/// The error of the layer that no guide shows, with neighbours over that without.
+fn gain(others: &[(Films, usize)], noise: f32) -> f64 {
+    let (films, weights) = (noisy(2, noise, 2), [Rgb::ZERO, Rgb::ONE]);
+    squared_error(&films.denoise_with(others), &weights) / squared_error(&films.denoise(), &weights)
+}
+
+#[test]
+fn neighbors_are_more_samples() {
+    for noise in [0.5, 0.1] {
+        let still = gain(&neighbors([0; 4], noise, |_, _| ()), noise);
+        let moved = gain(&neighbors([1, 2, 4, 7], noise, |_, _| ()), noise);
+        // Neighbours at the edge see less, and all of them show the pattern that windows of pixels mix.
+        assert!(still < 0.45 && moved < 0.5, "{noise}: {still} {moved}");
+    }
+}
+
+/// Neighbours that show other light, everywhere or here and there, do hardly any harm.
+#[test]
+fn neighbors_that_have_changed_are_refused() {
+    for noise in [0.3, 0.1, 0.02] {
+        let brighter = gain(&neighbors([0; 4], noise, |_, light| *light *= 1.5), noise);
+        let spots = |pixel: usize, light: &mut Rgb| {
+            if (pixel % 64 / 12 + pixel / 64 / 12).is_multiple_of(2) {
+                *light *= 2.0;
+            }
+        };
+        let spotted = gain(&neighbors([0; 4], noise, spots), noise);
+        let black = gain(&neighbors([0; 4], noise, |_, light| *light = Rgb::ZERO), noise);
+        let wild = gain(&neighbors([0; 4], noise, |_, light| *light = Rgb::splat(f32::INFINITY)), noise);
+        let all = [brighter, spotted, black, wild];
+        assert!(all.iter().all(|gain| *gain < 1.1), "{noise}: {all:?}");
+    }
 }
 
 /// Glints that no guide shows, and too faint to be refused one by one, are not filtered away: the audits show that
@@ -179,12 +254,14 @@ fn samples_are_kept_if_asked_for() {
 #[test]
 fn threads_and_guides_leave_no_trace() {
     let films = noisy(2, 0.3, 3);
+    let others = neighbors([0, 1, 2, 3], 0.3, |_, _| ());
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| films.denoise())
+        pool.install(|| [films.denoise(), films.denoise_with(&others)])
     };
-    let film = with(1);
-    assert_eq!(film, with(3));
+    let [film, pooled] = with(1);
+    assert_eq!([&film, &pooled], with(3).each_ref());
+    assert_ne!(film.data, pooled.data);
     assert_eq!(
         (film.aovs, film.layers(), &*film.held),
         (AovSet::default(), 2, &[LayerId(0), LayerId(1)][..])
@@ -195,10 +272,11 @@ fn threads_and_guides_leave_no_trace() {
 #[test]
 fn all_levels_give_the_same_bytes() {
     let films = noisy(2, 0.3, 7);
+    let others = neighbors([0, 1, 2, 3], 0.3, |_, _| ());
     // Levels are forced for a thread.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-    let results = pool.install(|| on_all_levels(|| films.denoise()));
-    assert!(results.iter().all(|(_, film)| *film == results[0].1));
+    let results = pool.install(|| on_all_levels(|| (films.denoise(), films.denoise_with(&others))));
+    assert!(results.iter().all(|(_, films)| *films == results[0].1));
 }
 
 /// Pixels whose guides are useless, or whose light overflows, harm neither their neighbours nor the program.

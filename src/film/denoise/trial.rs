@@ -1,16 +1,17 @@
 //! A trial of the filter, to time it.
 
-use super::{SampleFilms, denoise};
+use super::{Halves, Neighbor, Reprojection, SampleFilms, denoise};
 use crate::base::color::Rgb;
+use crate::base::math::DVec2;
 use crate::film::{AovSet, Film};
 use crate::sampling::hash;
 
 /// The size of the picture: wide enough to fill lanes, and high enough for a batch of rows.
 const SIZE: (u32, u32) = (256, 64);
 
-/// Denoises a small picture of noise with so many layers of light, and returns the number of its pixels. The time per
-/// pixel hardly depends on what is in a picture.
-pub fn trial(layers: usize) -> usize {
+/// Denoises a small picture of noise with so many layers of light and that many neighbours, and returns the number of its
+/// pixels. The time per pixel hardly depends on what is in a picture.
+pub fn trial(layers: usize, neighbors: usize) -> usize {
     let film = |part: u32| {
         let guides = part < 2;
         let mut film =
@@ -23,8 +24,18 @@ pub fn trial(layers: usize) -> usize {
         film
     };
     let [first, second, a, b] = [0, 1, 2, 3].map(film);
-    let films = SampleFilms { halves: [&first, &second], audits: [&a, &b] };
-    let film = denoise(&films, 1.0);
+    let halves = Halves::new([first, second]);
+    let neighbors: Vec<Neighbor> = (0..neighbors).map(|_| Neighbor::new(&halves, shifted())).collect();
+    let film = denoise(&SampleFilms { halves: &halves, neighbors: &neighbors, audits: [&a, &b] }, 1.0);
     std::hint::black_box(&film);
     (SIZE.0 * SIZE.1) as usize
+}
+
+/// Points that lie between four pixels, which takes the most time.
+fn shifted() -> Reprojection {
+    let place = |pixel: usize| {
+        let [x, y] = [pixel % SIZE.0 as usize, pixel / SIZE.0 as usize].map(|place| place as f64);
+        Some((DVec2::new(x, y), ()))
+    };
+    Reprojection::new(SIZE, place, |_, ()| true)
 }

@@ -1,9 +1,11 @@
 //! The number of camera rays of films.
 
+use crate::base::digest::Digest;
 use crate::film::LayerId;
-use crate::pipeline::schedule::{FadedView, FrameState};
+use crate::pipeline::schedule::{FadedView, FrameState, SampledState};
 use crate::sequence::Sequence;
 use crate::trace::MIN_SAMPLES;
+use std::collections::BTreeSet;
 
 /// Camera rays of a film. With a target error, this is the minimum.
 pub fn camera_rays(sequence: &Sequence, state: &FrameState) -> u64 {
@@ -14,15 +16,21 @@ pub fn camera_rays(sequence: &Sequence, state: &FrameState) -> u64 {
     }
 }
 
-/// Camera rays of films with these layers that are traced in this order. A camera of a cross-fade that shows the same as
-/// in the film before is not traced again, unless films are sampled until they reach a target error.
+/// Camera rays of each of these films with these layers, traced in this order. A camera of a cross-fade that shows the same
+/// as in the film before is not traced again, unless films are sampled until they reach a target error. Samples of
+/// neighbours are known while they are neighbours of the next film, too.
 pub fn camera_rays_in_order<'a, L: AsRef<[LayerId]>>(
     sequence: &Sequence,
     films: impl Iterator<Item = (&'a FrameState, L)>,
-) -> u64 {
+) -> Vec<u64> {
     let mut before: Option<(&[FadedView; 2], L)> = None;
-    let mut all = 0;
+    let (mut all, mut sampled) = (Vec::new(), KnownSamples::default());
     for (state, lit) in films {
+        if let Some(neighbors) = &state.neighbors {
+            all.push(sampled.rays(sequence, neighbors, lit.as_ref()));
+            before = None;
+            continue;
+        }
         let is_known = |view: &&FadedView| {
             let same = |(views, layers): &(&[FadedView; 2], L)| {
                 let shown = views.iter().any(|other| other.scene_hash == view.scene_hash);
@@ -32,10 +40,37 @@ pub fn camera_rays_in_order<'a, L: AsRef<[LayerId]>>(
         };
         let known = state.faded.iter().flatten().filter(is_known);
         let known: u64 = known.map(|view| rays_of_view(sequence, view.random)).sum();
-        all += camera_rays(sequence, state).saturating_sub(known);
+        all.push(camera_rays(sequence, state).saturating_sub(known));
         before = state.faded.as_ref().map(|views| (views, lit));
     }
     all
+}
+
+/// The samples that a run keeps for neighbours: as [`FrameLoop`](crate::pipeline::schedule::FrameLoop) does.
+#[derive(Default)]
+struct KnownSamples(Vec<(Digest, BTreeSet<LayerId>)>);
+
+impl KnownSamples {
+    /// Camera rays of a film, of which the first entry of `frames` is the frame itself.
+    fn rays(&mut self, sequence: &Sequence, frames: &[SampledState], lit: &[LayerId]) -> u64 {
+        self.0.retain(|(known, _)| frames.iter().any(|frame| frame.digest() == *known));
+        let mut traced = 0;
+        for frame in frames {
+            let wanted: BTreeSet<LayerId> = frame.lit.iter().chain(lit).copied().collect();
+            match self.0.iter_mut().find(|(known, _)| *known == frame.digest()) {
+                Some((_, held)) if wanted.is_subset(held) => continue,
+                Some((_, held)) => *held = wanted,
+                None => self.0.push((frame.digest(), wanted)),
+            }
+            traced += 1;
+        }
+        let (width, height) = sequence.output.size;
+        let quality = &sequence.quality;
+        // The frame itself has audits besides.
+        let picture = quality.samples.next_multiple_of(2);
+        let audits = quality.traced_samples(quality.samples) - picture;
+        u64::from(width) * u64::from(height) * (u64::from(picture) * traced + u64::from(audits))
+    }
 }
 
 /// Camera rays of what one camera shows.

@@ -1,8 +1,10 @@
 //! Evaluates frames without tracing them.
 
+use super::work_groups::work_groups;
 use crate::base::cancel::Stop;
 use crate::base::digest::Digest;
-use crate::pipeline::schedule::{FrameState, frame_states};
+use crate::base::units::counted;
+use crate::pipeline::schedule::{FrameState, SampledState, frame_states};
 use crate::sequence::Sequence;
 use std::collections::{BTreeSet, HashSet};
 
@@ -19,16 +21,39 @@ impl FrameStates {
         self.frames.retain(|state| wanted.next_if(|frame| **frame == state.frame).is_some());
         self
     }
+
+    /// The number of scenes beside those of these frames whose samples help to denoise them.
+    pub fn neighbors_besides(&self) -> usize {
+        let sampled = || self.frames.iter().filter_map(|state| state.neighbors.as_deref());
+        let own: HashSet<Digest> =
+            sampled().filter_map(|all| all.first()).map(SampledState::digest).collect();
+        let all: HashSet<Digest> = sampled().flatten().map(SampledState::digest).collect();
+        all.difference(&own).count()
+    }
+
+    /// What is said of neighbours, if they are many for so few frames.
+    pub fn neighbors_note(&self) -> Option<String> {
+        let (own, others) = (self.frames.len(), self.neighbors_besides());
+        (2 * others > own).then(|| {
+            format!(
+                "the samples of {} were traced besides, to denoise {own} with their neighbours; `denoise: Alone` \
+                 (--denoise=alone) takes none",
+                counted(others as u64, "frame"),
+            )
+        })
+    }
 }
 
-/// These frames, plus those of `among` that share a film or samples of views with one of them, in ascending order.
+/// These frames, plus those of `among` that one process should render with them, because they share a film or samples: in
+/// ascending order.
 pub fn with_shared(sequence: &Sequence, frames: &[u32], among: &[u32]) -> Vec<u32> {
-    let hashes: HashSet<Digest> =
-        evaluate(sequence, frames).frames.iter().map(FrameState::shared_work).collect();
-    let states = evaluate(sequence, among).frames;
-    let shared = states.iter().filter(|state| hashes.contains(&state.shared_work())).map(|state| state.frame);
-    let all: BTreeSet<u32> = shared.chain(frames.iter().copied()).collect();
-    all.into_iter().collect()
+    let wanted: BTreeSet<u32> = frames.iter().copied().collect();
+    let all: BTreeSet<u32> = wanted.iter().chain(among).copied().collect();
+    let all: Vec<u32> = all.into_iter().collect();
+    let groups = work_groups(&evaluate(sequence, &all).frames);
+    let numbers = groups.into_iter().map(|group| group.frames.into_iter().map(|index| all[index]).collect());
+    let groups = numbers.filter(|group: &Vec<u32>| group.iter().any(|frame| wanted.contains(frame)));
+    groups.flatten().collect::<BTreeSet<u32>>().into_iter().collect()
 }
 
 /// Evaluates frames in parallel. The state of a frame does not depend on the other frames of the list.

@@ -24,6 +24,7 @@ mod shared_films;
 mod shared_run;
 mod tries;
 mod view_groups;
+mod work_groups;
 #[cfg(test)]
 mod tests;
 
@@ -40,3 +41,4 @@ pub use render_plan::{Plan, ViewGroup};
 pub use run::run;
 pub use shared_films::{FilmCache, SharedFilm};
 pub use shared_run::{SharedRun, run_shared};
+pub use work_groups::{WorkGroup, work_groups};

@@ -2,7 +2,7 @@
 //!
 //! Films of a small picture are traced together. The share of paths that are traced again hardly depends on the size.
 
-use super::camera_rays::camera_rays;
+use super::camera_rays::{camera_rays, camera_rays_in_order};
 use super::ray_estimate::{NullSink, downscaled};
 use super::render_plan::Plan;
 use super::tries::Tries;
@@ -41,7 +41,8 @@ impl ShareTrials {
 /// How many paths of films are traced.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathShares {
-    /// For each film, the expected share of its paths that are traced for it: 1 if it shares none.
+    /// For each film, the expected share of its paths that are traced for it: 1 if it shares none, and more if it takes
+    /// samples of other frames.
     pub films: Vec<f64>,
     /// For each film that shares paths, the expected rays that are traced for it, per path.
     pub rays: Vec<Option<f64>>,
@@ -56,6 +57,13 @@ pub fn path_shares(sequence: &Sequence, plan: &Plan, trials: ShareTrials) -> Pat
     for group in &plan.view_groups {
         let alone: u64 = group.films.clone().map(|film| camera_rays(sequence, plan.state_of(film))).sum();
         found.films[group.films.clone()].fill(group.camera_rays as f64 / alone.max(1) as f64);
+    }
+    if sequence.quality.uses_neighbors() {
+        // Samples of frames beside those of the run are traced, too.
+        let films = (0..plan.films.len()).map(|film| (plan.state_of(film), &plan.films[film].lit));
+        for (film, rays) in camera_rays_in_order(sequence, films).into_iter().enumerate() {
+            found.films[film] = rays as f64 / camera_rays(sequence, plan.state_of(film)).max(1) as f64;
+        }
     }
     let groups = groups(plan);
     if trials.samples == 0 || groups.is_empty() {

@@ -79,7 +79,8 @@ impl RayEstimate {
     pub fn of(sequence: &Sequence, plan: &Plan) -> Self {
         let states = &plan.states.frames;
         let camera = camera_rays_of_films(sequence, plan);
-        let camera_alone = camera_rays_in_order(sequence, states.iter().map(|state| (state, state.lit())));
+        let alone = states.iter().map(|state| (state, state.lit()));
+        let camera_alone = camera_rays_in_order(sequence, alone).iter().sum();
         let shares_views = !plan.view_groups.is_empty();
         let has_target = sequence.quality.noise.is_some() && states.iter().any(|state| state.random);
         let (exact, exact_alone) = (!has_target && !shares_views, !has_target);
@@ -104,7 +105,7 @@ fn camera_rays_of_films(sequence: &Sequence, plan: &Plan) -> u64 {
     let shares_views = |film: &usize| plan.view_groups.iter().any(|group| group.films.contains(film));
     let alone = (0..plan.films.len()).filter(|film| !shares_views(film));
     let alone = alone.map(|film| (plan.state_of(film), &plan.films[film].lit));
-    camera_rays_in_order(sequence, alone)
+    camera_rays_in_order(sequence, alone).iter().sum::<u64>()
         + plan.view_groups.iter().map(|group| group.camera_rays).sum::<u64>()
 }
 
@@ -140,7 +141,7 @@ pub fn cost_estimate(sequence: &Sequence, plan: &Plan, budget: PilotBudget) -> C
     let unshared = counted_up(sequence, &films, &trials);
     let camera = |(film, share): (&LitFrame, &f64)| camera_rays(sequence, film.0) as f64 * share;
     let camera = films.iter().zip(&shares.films).map(camera).sum::<f64>().round();
-    let alone: u64 = films.iter().map(|film| camera_rays(sequence, film.0)).sum();
+    let alone = unshared_camera_rays(sequence, &films);
     let traced = if alone > 0 { camera / alone as f64 } else { 1.0 };
     let shares_rays = shares.rays.iter().any(Option::is_some);
     let all = unshared.map(|rays| match shares_rays {
@@ -162,8 +163,16 @@ type LitFrame<'a> = (&'a FrameState, Vec<LayerId>);
 fn counted_up(sequence: &Sequence, films: &[LitFrame], trials: &[Trial]) -> Option<u64> {
     let sum = |part: fn(&Trial) -> f64| trials.iter().map(part).sum::<f64>();
     let (traced, rays) = (sum(|trial| trial.samples), sum(|trial| trial.rays));
-    let all: f64 = films.iter().map(|(state, _)| camera_rays(sequence, state) as f64).sum();
+    let all = unshared_camera_rays(sequence, films) as f64;
     (traced > 0.0).then(|| (all / traced * rays).round() as u64)
+}
+
+/// The camera rays of films that share no paths, with those for neighbours.
+fn unshared_camera_rays(sequence: &Sequence, films: &[LitFrame]) -> u64 {
+    match sequence.quality.uses_neighbors() {
+        true => camera_rays_in_order(sequence, films.iter().map(|(state, lit)| (*state, lit))).iter().sum(),
+        false => films.iter().map(|(state, _)| camera_rays(sequence, state)).sum(),
+    }
 }
 
 /// Counts of a traced film.
@@ -179,7 +188,7 @@ fn trials(sequence: &Sequence, films: &[LitFrame], budget: PilotBudget) -> Optio
         let (state, lit) = &films[(2 * index + 1) * films.len() / (2 * chosen)];
         let small = downscaled(sequence, state, budget.samples);
         let mut frames = FrameLoop::new(&small, NullSink, Arc::new(ProgressMeter::default()));
-        frames.trace(&state.without_views(), lit).ok()?;
+        frames.trace(&state.alone(), lit).ok()?;
         let counts = frames.stats().counts.rays;
         let samples = camera_rays(&small, state) as f64;
         Some(Trial { samples, rays: counts.total() as f64 })

@@ -1,15 +1,15 @@
 //! Executes a plan together with other processes: the first process to claim a film renders its frames. Films that share
-//! samples of views are claimed together.
+//! samples of views, or of neighbours in time, are claimed together.
 
 use super::evaluate::FrameStates;
 use super::render_plan::Plan;
 use super::run::run;
+use super::work_groups::{WorkGroup, work_groups};
 use crate::base::digest::Digest;
 use crate::encode::{Encoder, FrameLease};
 use crate::film::AovSet;
 use crate::pipeline::schedule::{FrameError, FrameLoop, FrameState};
 use crate::sequence::Sequence;
-use std::collections::HashMap;
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -34,31 +34,27 @@ pub fn run_shared(
     on: impl Fn() -> bool,
     there: impl Fn(usize),
 ) -> Result<SharedRun, FrameError> {
-    let mut open: Vec<Vec<FrameState>> = Vec::new();
-    let mut places: HashMap<Digest, usize> = HashMap::new();
-    for state in &states.frames {
-        let place = *places.entry(state.shared_work()).or_insert(open.len());
-        match open.get_mut(place) {
-            Some(claimed) => claimed.push(state.clone()),
-            None => open.push(vec![state.clone()]),
-        }
-    }
+    let of_group = |group: WorkGroup| {
+        let states = group.frames.iter().map(|&index| states.frames[index].clone()).collect();
+        (group.name, states)
+    };
+    let mut open: Vec<(Digest, Vec<FrameState>)> =
+        work_groups(&states.frames).into_iter().map(of_group).collect();
     let mut done = 0;
     loop {
         let before = open.len();
         let mut theirs = Vec::new();
-        for film in open {
+        for (name, group) in open {
             if !on() {
                 return Ok(SharedRun { done, complete: false });
             }
-            let numbers: Vec<u32> = film.iter().map(|state| state.frame).collect();
-            let name = film.first().map(FrameState::shared_work).unwrap_or_default();
+            let numbers: Vec<u32> = group.iter().map(|state| state.frame).collect();
             let lease = frames
                 .with_sink(|encoder| encoder.lease_frames(name, &numbers))
                 .map_err(FrameError::Encode)?;
             let missing = match lease {
                 FrameLease::HeldBy(_) => {
-                    theirs.push(film);
+                    theirs.push((name, group));
                     continue;
                 }
                 FrameLease::Done => Vec::new(),
@@ -66,7 +62,7 @@ pub fn run_shared(
             };
             there(numbers.len() - missing.len());
             let states: Vec<FrameState> =
-                film.into_iter().filter(|state| missing.contains(&state.frame)).collect();
+                group.into_iter().filter(|state| missing.contains(&state.frame)).collect();
             let wanted = states.len();
             let plan = Plan::from_states(FrameStates { frames: states }, sequence, aovs, budget);
             let begun = run(&plan.without_shared_paths(), frames, &on)?;

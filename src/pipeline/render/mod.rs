@@ -116,6 +116,7 @@ fn render_frames(
     frames.report_frames();
     let before = machine::cpu_time();
     let states = states.only(&missing);
+    let neighbors = states.neighbors_note();
     let (done, expected) = pool.install(|| match request.existing {
         Existing::Share => render_shared(sequence, request, &states, &mut frames, (meter, stop)),
         _ => render_planned(sequence, request, states, &mut frames, (meter, stop, notify)),
@@ -135,7 +136,7 @@ fn render_frames(
     let mut summary = summary(&stats, report, request.frames.len() as u32, start.elapsed());
     summary.cpu = cpu.map(|cpu| cpu - expected.map_or(0.0, |expected| expected.pilot));
     summary.expected = expected;
-    summary.notes.splice(..0, sequence.notes());
+    summary.notes.splice(..0, sequence.notes().into_iter().chain(neighbors));
     Ok(summary)
 }
 

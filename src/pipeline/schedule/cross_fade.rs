@@ -79,6 +79,7 @@ impl<S: FilmSink> FrameLoop<S> {
             own: state.own,
             keep: true,
             is_part: true,
+            films: None,
             only_prepare: false,
         });
         let moments = self.moments_of(view.camera, state.frame, view.moments == 1);

@@ -26,6 +26,11 @@ impl FilmSettings {
         self.quality.vary_noise
     }
 
+    /// Whether frames are denoised with their neighbours.
+    pub fn uses_neighbors(&self) -> bool {
+        self.quality.uses_neighbors()
+    }
+
     pub fn integrator(&self) -> Integrator {
         self.quality.integrator
     }

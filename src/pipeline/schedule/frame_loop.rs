@@ -4,6 +4,7 @@ use super::cross_fade::FadedFilm;
 use super::frame_mark::FrameMark;
 use super::frame_state::FrameState;
 use super::frame_states::frame_states;
+use super::neighbors::SampledFrame;
 use super::preview::Preview;
 use super::shared_paths::weights_of;
 use super::shutter::Shutter;
@@ -37,13 +38,15 @@ pub struct FrameLoop<S> {
     schedule: Schedule,
     timeline: Timeline,
     shutter: Shutter,
-    quality: Quality,
+    pub(super) quality: Quality,
     /// How frames are evaluated that are rendered without a state.
     evaluation: Evaluation,
     /// Where the measurement of the current frame began. None unless frames are reported.
     mark: Option<FrameMark>,
     /// The films of the cameras that showed the last frame together.
     pub(super) faded: Vec<FadedFilm>,
+    /// The samples of frames that the next one may be denoised with.
+    pub(super) sampled: Vec<SampledFrame>,
     sink: PhantomData<S>,
 }
 
@@ -53,8 +56,8 @@ enum Evaluation {
     Unneeded,
     /// A shutter opens: a preview finds the frames in which something moves meanwhile.
     Moments(Arc<Sequence>, Option<Box<Preview>>),
-    /// With a target error or if views share samples, other frames affect the samples of a frame; and cross-fades have two
-    /// films.
+    /// With a target error, and if views or neighbours in time share samples, other frames affect the samples of a frame; and
+    /// cross-fades have two films.
     States(Arc<Sequence>),
 }
 
@@ -62,7 +65,11 @@ impl Evaluation {
     fn of(sequence: &Sequence) -> Self {
         let quality = &sequence.quality;
         let copy = || Arc::new(sequence.clone());
-        if quality.noise.is_some() || quality.shares_views() || sequence.active_camera.fades() {
+        if quality.noise.is_some()
+            || quality.shares_views()
+            || quality.uses_neighbors()
+            || sequence.active_camera.fades()
+        {
             Self::States(copy())
         } else if sequence.blurs_motion() {
             Self::Moments(copy(), None)
@@ -107,6 +114,7 @@ impl<S: FilmSink> FrameLoop<S> {
             evaluation: Evaluation::of(sequence),
             mark: None,
             faded: Vec::new(),
+            sampled: Vec::new(),
             sink: PhantomData,
         }
     }
@@ -156,17 +164,20 @@ impl<S: FilmSink> FrameLoop<S> {
         }
         if let Some([from, to]) = &state.faded {
             let film = self.trace_faded(state, [from, to], lit)?;
-            self.push_traced(state, &film, "traced")?;
-            self.world.resource_mut::<FilmInProgress>().kept = Some(film).filter(|_| keep);
-            return Ok(true);
+            return self.push_and_keep(state, film, keep);
         }
         self.faded.clear();
+        if let Some(sampled) = &state.neighbors {
+            let film = self.trace_among_neighbors(state, sampled, lit)?;
+            return self.push_and_keep(state, film, keep);
+        }
         self.world.insert_resource(TraceRequest {
             lit: Some(weights_of(state, lit)),
             weightings: Arc::clone(&state.weightings),
             own: state.own,
             keep,
             is_part: false,
+            films: None,
             only_prepare: false,
         });
         let moments = self.moments(state.frame, state.moments == 1);
@@ -174,6 +185,12 @@ impl<S: FilmSink> FrameLoop<S> {
         self.world.insert_resource(TraceRequest::default());
         done?;
         self.report(state.frame, "traced");
+        Ok(true)
+    }
+
+    fn push_and_keep(&mut self, state: &FrameState, film: Film, keep: bool) -> Result<bool, FrameError> {
+        self.push_traced(state, &film, "traced")?;
+        self.world.resource_mut::<FilmInProgress>().kept = Some(film).filter(|_| keep);
         Ok(true)
     }
 

@@ -46,6 +46,13 @@ pub struct FrameState {
     pub rebuilds: u32,
     /// The cameras of a cross-fade, which have a film each: the ones before and after the cut.
     pub faded: Option<[FadedView; 2]>,
+    /// The index of the active camera.
+    pub camera: usize,
+    /// Digest of the slots of the geometry and of the own spaces of its shapes, if neighbours in time are found by them: they
+    /// may differ where the light does not, as those of a ball that turns.
+    pub poses: Digest,
+    /// The frame itself and those whose samples help to denoise it, if there are any.
+    pub neighbors: Option<Arc<[SampledState]>>,
     /// Why the frame cannot be traced.
     pub fault: Option<NoCamera>,
 }
@@ -61,6 +68,22 @@ pub struct FadedView {
     pub scene_hash: Digest,
     pub moments: u32,
     pub random: bool,
+}
+
+/// A frame that is sampled for those around it, too.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SampledState {
+    /// What the frame evaluates to by itself.
+    pub state: FrameState,
+    /// The layers that any frame shows which it is sampled for.
+    pub lit: Vec<LayerId>,
+}
+
+impl SampledState {
+    /// Digest of its samples, and of where its points are.
+    pub fn digest(&self) -> Digest {
+        Digest::of(&(self.state.scene_hash, self.state.poses))
+    }
 }
 
 /// Why a frame does not share samples of views.
@@ -89,6 +112,9 @@ pub enum ViewObstacle {
     #[default]
     Neighbors,
 }
+
+/// How many neighbouring frames one process denoises. It samples two more on each side.
+const FRAMES_OF_BLOCK: u32 = 8;
 
 /// Views that share samples, and the place of a frame's own.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,13 +175,26 @@ impl FrameState {
     /// are sampled for different sets of frames get different hashes.
     pub(super) fn share(&mut self, frames: Digest, weightings: Weightings, own: usize) {
         (self.weightings, self.own) = (weightings, own);
-        self.scene_hash = Digest::of(&(self.scene_hash, frames));
-        self.image_hash = Digest::of(&(self.image_hash, frames));
+        self.join(frames);
     }
 
     /// Makes the frame share samples of views. The same frame with other views has other samples, so it gets other hashes.
     pub(super) fn share_views(&mut self, digest: Digest, views: FrameViews) {
         self.views = Some(views);
+        self.join(digest);
+    }
+
+    /// Makes the frame use the samples of neighbours in time. The first entry is the frame itself.
+    pub(super) fn sample_with(&mut self, sampled: Vec<SampledState>) {
+        if sampled.len() > 1 {
+            let all: Vec<Digest> = sampled.iter().map(SampledState::digest).collect();
+            self.join(Digest::of(&all));
+        }
+        self.neighbors = Some(sampled.into());
+    }
+
+    /// Makes a digest of what else decides the samples part of both hashes.
+    fn join(&mut self, digest: Digest) {
         self.scene_hash = Digest::of(&(self.scene_hash, digest));
         self.image_hash = Digest::of(&(self.image_hash, digest));
     }
@@ -169,9 +208,15 @@ impl FrameState {
         }
     }
 
+    /// The number of the block of frames that one process should render, if the frame takes samples of others.
+    pub fn block(&self) -> Option<u32> {
+        let has_others = self.neighbors.as_ref().is_some_and(|sampled| sampled.len() > 1);
+        has_others.then(|| self.frame.div_euclid(FRAMES_OF_BLOCK))
+    }
+
     /// The frame without shared samples, for pilots.
-    pub fn without_views(&self) -> Self {
-        Self { views: None, ..self.clone() }
+    pub fn alone(&self) -> Self {
+        Self { views: None, neighbors: None, ..self.clone() }
     }
 
     /// The visible layers with their weights.

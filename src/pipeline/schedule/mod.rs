@@ -11,6 +11,7 @@ mod frame_mark;
 mod frame_state;
 mod frame_states;
 mod prepared_world;
+mod neighbors;
 mod preview;
 mod progressive_loop;
 mod prober;
@@ -25,8 +26,8 @@ mod shared_views;
 mod tests;
 
 pub use frame_loop::FrameLoop;
-pub use frame_state::{FadedView, FrameState, FrameViews, ViewObstacle};
-pub use frame_states::frame_states;
+pub use frame_state::{FadedView, FrameState, FrameViews, SampledState, ViewObstacle};
+pub use frame_states::{REACH, frame_states};
 pub use preview::Preview;
 pub use prober::{PassCost, Prober};
 pub use progressive_loop::ProgressiveLoop;

@@ -48,6 +48,8 @@ struct MomentState {
     /// Digest of everything that light meets but the view, and of the kind of samples; and the view. Or why it cannot share
     /// samples.
     viewpoint: Result<(Digest, View), ViewObstacle>,
+    /// As [`FrameState::poses`].
+    poses: Digest,
 }
 
 impl MomentState {
@@ -56,6 +58,14 @@ impl MomentState {
         let all = |state: &Self| (state.scene_hash, state.image_hash, state.random);
         all(self) == all(other)
     }
+}
+
+/// The digest of the slots that are not empty, and of the own spaces of their shapes.
+fn poses(geometry: &Geometry) -> Digest {
+    let mut digester = Digester::new();
+    let slots = geometry.primitives.iter().enumerate().filter(|(_, primitive)| !primitive.is_empty());
+    slots.for_each(|(slot, _)| (slot as u32, geometry.origin(slot).to_object()).feed(&mut digester));
+    digester.finish()
 }
 
 /// Whether any visible material has a pattern or a relief. They fade by the size of pixels, so views with different pixels
@@ -168,6 +178,9 @@ impl Preview {
             geometry: geometry.unwrap_or_default(),
             rebuilds,
             faded: None,
+            camera,
+            poses: Digest::of(&found.iter().map(|one| one.poses).collect::<Vec<_>>()),
+            neighbors: None,
             fault,
         }
     }
@@ -238,6 +251,10 @@ impl Preview {
             (Digest::of(&(self.digests.scene_hash(&scene), random)), view)
         });
         let scene_hash = self.digests.scene_hash(&scene);
-        Ok(MomentState { scene_hash, image_hash, random, surroundings, viewpoint })
+        let poses = match self.settings.uses_neighbors() {
+            true => poses(&geometry.0),
+            false => Digest::default(),
+        };
+        Ok(MomentState { scene_hash, image_hash, random, surroundings, viewpoint, poses })
     }
 }

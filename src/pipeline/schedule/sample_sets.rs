@@ -1,7 +1,7 @@
 //! Films of separate samples, which make one denoised film.
 
 use crate::base::stats::ProgressMeter;
-use crate::film::denoise::{SampleFilms, denoise, samples_of_audit};
+use crate::film::denoise::{Halves, SampleFilms, denoise, samples_of_audit};
 use crate::film::{AovSet, Film, Noise};
 use crate::sampling::hash;
 use crate::sequence::quality::{NoiseTarget, Quality};
@@ -25,7 +25,8 @@ pub struct SampleSets {
     picture: u32,
     /// Those before this round, or none.
     before: u32,
-    /// What is traced now, as an index of `PARTS`.
+    /// The parts of the first round, as indices of `PARTS`, and the one that is traced now.
+    all: Range<usize>,
     part: usize,
     /// The rays of the picture's samples.
     rays: u64,
@@ -39,6 +40,19 @@ pub enum NextStep {
     Samples(AdaptiveFrame),
     /// Nothing: this is the film.
     Done(Film),
+    /// Nothing: these are the films that were asked for.
+    Sampled(Vec<Film>),
+}
+
+/// Films of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilmSet {
+    /// All four, to be denoised.
+    All,
+    /// Both halves of the picture's samples.
+    Halves,
+    /// Both audits.
+    Audits,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -53,9 +67,15 @@ const PARTS: [Part; 4] = [Part::Half(0), Part::Half(1), Part::Audit(0), Part::Au
 const LATER: Range<usize> = 1..PARTS.len();
 
 impl SampleSets {
-    pub fn new(quality: &Quality) -> Self {
+    pub fn new(set: FilmSet, quality: &Quality) -> Self {
+        let all = match set {
+            FilmSet::All => 0..PARTS.len(),
+            FilmSet::Halves => 0..2,
+            FilmSet::Audits => 2..PARTS.len(),
+        };
+        let part = all.start;
         let picture = quality.noise.map_or(quality.samples, |target| target.most.min(MIN_SAMPLES));
-        Self { films: Vec::new(), picture: picture.next_multiple_of(2), before: 0, part: 0, rays: 0 }
+        Self { films: Vec::new(), picture: picture.next_multiple_of(2), before: 0, all, part, rays: 0 }
     }
 
     /// The settings of the film that is traced now.
@@ -83,7 +103,7 @@ impl SampleSets {
 
     /// The parts of this round.
     fn parts(&self) -> Range<usize> {
-        if self.before == 0 { 0..PARTS.len() } else { LATER }
+        if self.before == 0 { self.all.clone() } else { LATER }
     }
 
     /// Sets the meter to the part of the round that is traced now.
@@ -105,34 +125,33 @@ impl SampleSets {
         if let Part::Half(_) = PARTS[self.part] {
             self.rays += rays;
         }
-        match (self.films.get_mut(self.part), PARTS[self.part]) {
+        match (self.films.get_mut(self.part - self.all.start), PARTS[self.part]) {
             (None, _) => self.films.push(film),
             (Some(before), Part::Half(_)) => *before = film,
             (Some(before), Part::Audit(_)) => *before = before.mixed_with(&film, 0.5),
         }
         self.part += 1;
-        if self.part < PARTS.len() {
+        if self.part < self.all.end {
             return NextStep::Part(self);
         }
         meter.pass.store(0, Relaxed);
         meter.passes.store(0, Relaxed);
-        let samples = f64::from(self.drawn(self.picture));
-        let film = tracing::debug_span!("denoise").in_scope(|| denoise(&self.films(), samples));
+        if self.all.len() < PARTS.len() {
+            return NextStep::Sampled(self.films);
+        }
+        let samples = f64::from(drawn(self.picture));
+        let film = tracing::debug_span!("denoise").in_scope(|| self.denoised(samples));
         match quality.noise {
             Some(target) => self.judge(film, target, quality.seed, weightings, meter),
             None => NextStep::Done(film),
         }
     }
 
-    fn films(&self) -> SampleFilms<'_> {
-        // Complete rounds have all parts.
+    /// The denoised film of a complete round.
+    fn denoised(&self, samples: f64) -> Film {
         let [first, second, a, b] = [0, 1, 2, 3].map(|part| &self.films[part]);
-        SampleFilms { halves: [first, second], audits: [a, b] }
-    }
-
-    /// The samples per pixel of all films of a picture with so many.
-    fn drawn(&self, picture: u32) -> u32 {
-        picture + 2 * samples_of_audit(picture)
+        let halves = Halves::new([first.clone(), second.clone()]);
+        denoise(&SampleFilms { halves: &halves, neighbors: &[], audits: [a, b] }, samples)
     }
 
     /// Ends a round of a frame with a target error: with the denoised film, another round, or samples alone.
@@ -160,7 +179,8 @@ impl SampleSets {
             return denoised(true);
         }
         let alone = (!meter.is_stopped()).then(|| {
-            let (halves, traced) = (self.films().halves, (self.picture, self.rays));
+            let halves = [&self.films[0], &self.films[1]];
+            let traced = (self.picture, self.rays);
             let mut samples = AdaptiveFrame::of_halves(halves, traced, seed, target, weightings);
             let is_complete = samples.settle(meter);
             (samples, is_complete)
@@ -196,7 +216,7 @@ impl SampleSets {
     /// that would need less comes nearer to the target.
     fn samples_left(&self, ratio: f64) -> f64 {
         let rounds = (2.0 * libm::log2(ratio)).ceil().max(1.0);
-        f64::from(self.drawn(self.picture)) * (libm::exp2(rounds) - 1.0)
+        f64::from(drawn(self.picture)) * (libm::exp2(rounds) - 1.0)
     }
 
     /// Begins a round that doubles the number of samples. Those of a film and those that it adds are equally many.
@@ -206,6 +226,11 @@ impl SampleSets {
         }
         (self.before, self.picture, self.part) = (self.picture, 2 * self.picture, LATER.start);
     }
+}
+
+/// The samples per pixel of all films of a picture with so many.
+pub fn drawn(picture: u32) -> u32 {
+    picture + 2 * samples_of_audit(picture)
 }
 
 /// A word for seeds of audits: "audi" in ASCII.

@@ -1,6 +1,6 @@
 //! Systems besides animation and extraction, and the resources that only they need.
 
-use super::sample_sets::{NextStep, SampleSets};
+use super::sample_sets::{FilmSet, NextStep, SampleSets};
 use crate::base::math::DVec3;
 use crate::base::stats::{Counts, ProgressMeter};
 use crate::camera::Camera;
@@ -12,7 +12,7 @@ use crate::scene::top_level::{Bvh, BvhUpdate};
 use crate::scene::{Geometry, Scene, Shading, Weights};
 use crate::sequence::quality::Denoise;
 use crate::trace::{
-    AdaptiveFrame, Moment, TraceSettings, Weightings, is_random, trace_moment, trace_weighted,
+    AdaptiveFrame, Moment, PrimaryHits, TraceSettings, Weightings, is_random, trace_moment, trace_weighted,
 };
 use crate::track::Animated;
 use crate::world::{Current, Now};
@@ -144,6 +144,8 @@ pub struct TraceRequest {
     pub keep: bool,
     /// Whether the film is a part of a frame's film: then it is kept, and neither counted nor pushed.
     pub is_part: bool,
+    /// The films to trace, if they are to be denoised later: then they are kept.
+    pub films: Option<FilmSet>,
     /// Whether to stop before Trace, because the scene is traced together with others.
     pub only_prepare: bool,
 }
@@ -160,6 +162,9 @@ pub struct FilmInProgress {
     sets: Option<SampleSets>,
     /// The rays of the part that is traced now, over its moments.
     part_rays: u64,
+    /// Films that are to be denoised later, and what their pixels see.
+    pub sampled: Vec<Film>,
+    pub hits: Option<PrimaryHits>,
 }
 
 impl FilmInProgress {
@@ -294,7 +299,10 @@ pub fn trace_frame(
     };
     let (settings, mut sets) = (&settings.0, in_progress.sets.take());
     if sets.is_none() && in_progress.rounds.is_none() && is_denoised(&scene, settings, current.0) {
-        sets = Some(SampleSets::new(&settings.quality));
+        sets = Some(SampleSets::new(request.films.unwrap_or(FilmSet::All), &settings.quality));
+    }
+    if request.films == Some(FilmSet::Halves) && current.0.index == current.0.of / 2 {
+        in_progress.hits.get_or_insert_with(|| PrimaryHits::find(&scene, &bvh.0, settings.size));
     }
     let of_set = sets.as_ref().map(|sets| sets.settings(settings));
     sets.iter().for_each(|sets| sets.show(&progress.0));
@@ -320,6 +328,7 @@ pub fn trace_frame(
             NextStep::Part(sets) => in_progress.sets = Some(sets),
             NextStep::Samples(rounds) => in_progress.rounds = Some(rounds),
             NextStep::Done(done) => film = Some(done),
+            NextStep::Sampled(films) => in_progress.sampled = films,
         }
     }
     let Some(film) = film else { return };
@@ -338,7 +347,7 @@ pub fn trace_frame(
 
 /// Whether a frame is denoised: only random samples are noisy.
 fn is_denoised(scene: &Scene, settings: &TraceSettings, moment: Moment) -> bool {
-    settings.quality.denoise == Denoise::Auto
+    settings.quality.denoise != Denoise::Off
         && (moment.of > 1 || is_random(scene, settings.quality.integrator))
 }
 

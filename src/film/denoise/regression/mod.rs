@@ -35,18 +35,21 @@ pub const SCALES: usize = 4;
 /// summed twice.
 const BATCH: usize = 4 * COLUMN;
 
-/// Fits all layers of light to the guides at all scales. A fit stays between the least and the greatest light around
-/// its pixel.
-pub fn fit(guides: &Guides, light: &Planes) -> [Planes; SCALES] {
-    let mut fitted = [(); SCALES].map(|()| Planes::new(light.size(), light.count));
-    let [a, b, c, d] = fitted.each_mut().map(|planes| planes.par_bands_mut(BATCH));
-    let batches = a.zip(b).zip(c).zip(d).enumerate();
-    batches.for_each_init(
-        || Workspace::new(light),
-        |workspace, (batch, (((a, b), c), d))| {
+/// Fits all layers of light to guides at the first scales. The fits are evaluated at the guides `shown`. A fit stays
+/// between the least and the greatest light around its pixel.
+pub fn fit<const COUNT: usize>(guides: &Guides, shown: &Guides, light: &Planes) -> [Planes; COUNT] {
+    let mut fitted = [(); COUNT].map(|()| Planes::new(light.size(), light.count));
+    let mut batches: Vec<Vec<&mut [f32]>> =
+        (0..light.height.div_ceil(BATCH)).map(|_| Vec::with_capacity(COUNT)).collect();
+    for planes in &mut fitted {
+        batches.iter_mut().zip(planes.bands_mut(BATCH)).for_each(|(batch, band)| batch.push(band));
+    }
+    batches.into_par_iter().enumerate().for_each_init(
+        || Workspace::new(light, COUNT),
+        |workspace, (batch, fitted)| {
             let rows = batch * BATCH..light.height.min((batch + 1) * BATCH);
             workspace.start(light, rows.clone());
-            dispatch(FitRows { guides, light, rows, workspace, fitted: [a, b, c, d] });
+            dispatch(FitRows { guides, shown, light, rows, workspace, fitted });
         },
     );
     fitted
@@ -61,13 +64,13 @@ struct Workspace {
 }
 
 impl Workspace {
-    fn new(light: &Planes) -> Self {
+    fn new(light: &Planes, scales: usize) -> Self {
         let (columns, channels) = (Columns::new(light.width), light.count);
         let rows = light.height.min(BATCH);
         Self {
             bounds: [(); 2].map(|()| Planes::new((light.width, rows), channels)),
             light: LightRows::new(columns, channels),
-            scales: (0..SCALES).map(|scale| Scale::new(columns, 2 << scale, channels)).collect(),
+            scales: (0..scales).map(|scale| Scale::new(columns, 2 << scale, channels)).collect(),
         }
     }
 
@@ -81,11 +84,12 @@ impl Workspace {
 /// Fits the light of a batch of rows.
 struct FitRows<'a> {
     guides: &'a Guides,
+    shown: &'a Guides,
     light: &'a Planes,
     rows: Range<usize>,
     workspace: &'a mut Workspace,
     /// Per scale: all planes of the rows.
-    fitted: [&'a mut [f32]; SCALES],
+    fitted: Vec<&'a mut [f32]>,
 }
 
 impl SimdKernel for FitRows<'_> {
@@ -93,7 +97,7 @@ impl SimdKernel for FitRows<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { guides, light, rows, workspace, mut fitted } = self;
+        let Self { guides, shown, light, rows, workspace, mut fitted } = self;
         let Workspace { bounds, light: summed, scales } = workspace;
         // The windows of the largest cells reach as far.
         let first = rows.start.saturating_sub(COLUMN) / 2;
@@ -107,7 +111,7 @@ impl SimdKernel for FitRows<'_> {
                 if let [.., smaller, own] = &mut scales[..=scale] {
                     sum_cells::<L::F64>([&smaller.above, &smaller.below], own.next_row());
                 }
-                scales[scale].fit::<L::F64>(guides, bounds, row >> scale, &rows, fitted);
+                scales[scale].fit::<L::F64>(shown, bounds, row >> scale, &rows, fitted);
             }
         }
     }

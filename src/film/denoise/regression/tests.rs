@@ -66,7 +66,7 @@ fn fits_are_least_squares_in_each_window() {
             let features = guides.features::<f64>(y, x % COLUMN, x / COLUMN);
             features[1..].to_vec()
         };
-        let fitted = fit(&guides, &light);
+        let fitted: [Planes; SCALES] = fit(&guides, &guides, &light);
         let mut random = Random(3);
         for (scale, fitted) in fitted.iter().enumerate() {
             let cell = 2 << scale;

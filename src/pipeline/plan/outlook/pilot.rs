@@ -165,8 +165,8 @@ struct PilotRun<'a> {
     prober: Prober,
     spent: ElapsedTime,
     clock: TimeSource,
-    /// Times to denoise a pixel, by the number of layers of light.
-    filters: Vec<(usize, ElapsedTime)>,
+    /// Times to denoise a pixel, by the numbers of layers of light and of neighbours.
+    filters: Vec<([usize; 2], ElapsedTime)>,
 }
 
 impl PilotRun<'_> {
@@ -190,7 +190,8 @@ impl PilotRun<'_> {
         if state.random {
             self.random(&mut pilot, shared, &mut probe, budget.seconds)?;
             if self.sequence.quality.denoise != Denoise::Off {
-                pilot.filter = self.filter(shared.lit.len());
+                let neighbors = state.neighbors.as_ref().map_or(0, |frames| frames.len() - 1);
+                pilot.filter = self.filter([shared.lit.len(), neighbors]);
             }
         } else {
             let grid = self.sequence.quality.antialias.pow(2);
@@ -208,16 +209,17 @@ impl PilotRun<'_> {
         Some(pilot)
     }
 
-    /// The time to denoise a pixel of a film with so many layers of light.
-    fn filter(&mut self, layers: usize) -> ElapsedTime {
-        if let Some((_, time)) = self.filters.iter().find(|(known, _)| *known == layers) {
+    /// The time to denoise a pixel of a film with so many layers of light and that many neighbours.
+    fn filter(&mut self, kind: [usize; 2]) -> ElapsedTime {
+        if let Some((_, time)) = self.filters.iter().find(|(known, _)| *known == kind) {
             return *time;
         }
-        let (pixels, took) = timed(|| denoise::trial(layers));
+        let [layers, neighbors] = kind;
+        let (pixels, took) = timed(|| denoise::trial(layers, neighbors));
         let took = self.clock.elapsed(took, 0);
         self.spent = self.spent + took;
         let time = took * (1.0 / pixels as f64);
-        self.filters.push((layers, time));
+        self.filters.push((kind, time));
         time
     }
 

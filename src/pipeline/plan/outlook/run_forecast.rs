@@ -12,7 +12,7 @@ pub struct Outlook {
     pub(super) pilots: Vec<PilotFilm>,
     /// Whether the samples of each film are random.
     pub(super) random: Vec<bool>,
-    /// The share of each film's paths that are traced for it.
+    /// The share of each film's paths that are traced for it; above 1 if it takes samples of other frames.
     pub(super) shares: Vec<f64>,
     /// Time that the pilot took.
     pub spent: ElapsedTime,

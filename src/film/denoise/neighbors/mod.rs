@@ -1,0 +1,29 @@
+//! The samples of neighbours in time, where they show the same light.
+//!
+//! A neighbour sees a point of a pixel at another place of its picture ([`Reprojection`]). Its light there is as good as
+//! more samples, unless the light has changed, depends on the direction, or is hidden. How far it is off is measured
+//! around each pixel: both halves of the neighbour differ from both halves of the picture, and noise has no part in the
+//! product of these differences (`agreement`). By that, the neighbours are weighted and pooled with the samples (`pool`).
+
+mod agreement;
+mod pool;
+mod reprojection;
+
+pub use pool::Pooled;
+pub use reprojection::Reprojection;
+
+use super::halves::Halves;
+
+/// The samples of a neighbour in time.
+pub struct Neighbor<'a> {
+    halves: &'a Halves,
+    reprojection: Reprojection,
+}
+
+#[warn(missing_docs)]
+impl<'a> Neighbor<'a> {
+    /// A neighbour with these samples, and where they show what the pixels of the picture show. Both have the same size.
+    pub fn new(halves: &'a Halves, reprojection: Reprojection) -> Self {
+        Self { halves, reprojection }
+    }
+}

@@ -1,0 +1,110 @@
+//! Frames that are denoised with the samples of the frames before and after them.
+//!
+//! Samples are kept from frame to frame, so a run over all frames traces none of them twice. A frame by itself takes the
+//! samples of its neighbours, too, and so has the same bytes as in a run over all.
+
+use super::frame_loop::FrameLoop;
+use super::frame_state::{FrameState, SampledState};
+use super::sample_sets::{FilmSet, drawn};
+use super::shared_paths::weights_of;
+use super::stages::{FilmInProgress, FilmSink, FrameError, RunProgress, Stats, TraceRequest};
+use crate::base::digest::Digest;
+use crate::camera::path::NoCamera;
+use crate::film::denoise::{Halves, Neighbor, SampleFilms, denoise};
+use crate::film::{Film, LayerId};
+use crate::trace::PrimaryHits;
+use std::collections::BTreeSet;
+use std::sync::atomic::Ordering::Relaxed;
+
+/// The samples of a frame, for it and its neighbours.
+pub struct SampledFrame {
+    digest: Digest,
+    lit: Vec<LayerId>,
+    halves: Halves,
+    hits: PrimaryHits,
+}
+
+impl<S: FilmSink> FrameLoop<S> {
+    /// Renders a frame that is denoised with its neighbours, with the layers `lit`. The first of `sampled` is the frame
+    /// itself. Returns its film, which is not pushed.
+    pub(super) fn trace_among_neighbors(
+        &mut self,
+        state: &FrameState,
+        sampled: &[SampledState],
+        lit: &[LayerId],
+    ) -> Result<Film, FrameError> {
+        let is_needed = |known: &SampledFrame| sampled.iter().any(|one| one.digest() == known.digest);
+        self.sampled.retain(is_needed);
+        let places: Vec<usize> =
+            sampled.iter().map(|one| self.sample(one, lit)).collect::<Result<_, FrameError>>()?;
+        let held = places.first().map_or(&[][..], |own| &self.sampled[*own].lit).to_vec();
+        let audits = self.trace_films(state, &held, FilmSet::Audits)?;
+        let (Ok([a, b]), [own, others @ ..]) = (<[Film; 2]>::try_from(audits), &places[..]) else {
+            return Err(no_film(state));
+        };
+        let own = &self.sampled[*own];
+        let neighbor = |place: &usize| {
+            let SampledFrame { halves, hits, .. } = &self.sampled[*place];
+            let found = own.hits.seen_by(hits);
+            // Where nothing moves, they have the same random numbers otherwise, and nothing to add.
+            let found = if self.quality.vary_noise { found } else { found.without_still() };
+            Neighbor::new(halves, found)
+        };
+        let film = tracing::debug_span!("denoise").in_scope(|| {
+            let neighbors: Vec<Neighbor> = others.iter().map(neighbor).collect();
+            let films = SampleFilms { halves: &own.halves, neighbors: &neighbors, audits: [&a, &b] };
+            denoise(&films, f64::from(drawn(self.quality.samples.next_multiple_of(2))))
+        });
+        self.world.resource_mut::<Stats>().traced += 1;
+        let meter = &self.world.resource::<RunProgress>().0;
+        meter.frames.fetch_add(1, Relaxed);
+        meter.thousandths.store(0, Relaxed);
+        Ok(film)
+    }
+
+    /// Traces the samples of a frame, unless they are known. Returns their place in the list.
+    fn sample(&mut self, frame: &SampledState, lit: &[LayerId]) -> Result<usize, FrameError> {
+        let wanted: BTreeSet<LayerId> = frame.lit.iter().chain(lit).copied().collect();
+        let known = self.sampled.iter().position(|known| known.digest == frame.digest());
+        let has_all = |place: &usize| wanted.iter().all(|layer| self.sampled[*place].lit.contains(layer));
+        if let Some(place) = known.filter(has_all) {
+            return Ok(place);
+        }
+        let lit: Vec<LayerId> = wanted.into_iter().collect();
+        let films = self.trace_films(&frame.state, &lit, FilmSet::Halves)?;
+        let hits = self.world.resource_mut::<FilmInProgress>().hits.take();
+        let (Ok(films), Some(hits)) = (<[Film; 2]>::try_from(films), hits) else {
+            return Err(no_film(&frame.state));
+        };
+        let traced = SampledFrame { digest: frame.digest(), lit, halves: Halves::new(films), hits };
+        match known {
+            Some(place) => self.sampled[place] = traced,
+            None => self.sampled.push(traced),
+        }
+        Ok(known.unwrap_or(self.sampled.len() - 1))
+    }
+
+    /// Traces some of the films of a frame.
+    fn trace_films(
+        &mut self,
+        state: &FrameState,
+        lit: &[LayerId],
+        set: FilmSet,
+    ) -> Result<Vec<Film>, FrameError> {
+        self.world.insert_resource(TraceRequest {
+            lit: Some(weights_of(state, lit)),
+            films: Some(set),
+            ..TraceRequest::default()
+        });
+        let moments = self.moments(state.frame, state.moments == 1);
+        let done = self.run(&moments);
+        self.world.insert_resource(TraceRequest::default());
+        done?;
+        Ok(std::mem::take(&mut self.world.resource_mut::<FilmInProgress>().sampled))
+    }
+}
+
+/// Frames without a camera have no films.
+fn no_film(state: &FrameState) -> FrameError {
+    FrameError::Camera { frame: state.frame, why: NoCamera::NotFinite }
+}

@@ -1,0 +1,273 @@
+//! What the middle of each pixel sees, to find the same points in other frames.
+
+use crate::base::math::{DAffine3, DMat3, DVec2, DVec3, inverse};
+use crate::camera::{Camera, Projection};
+use crate::film::denoise::Reprojection;
+use crate::geometry::bvh::TraversalRay;
+use crate::geometry::ray_kinds::RayKind;
+use crate::scene::Scene;
+use crate::scene::top_level::Bvh;
+use rayon::prelude::*;
+
+/// How far a surface may lie from the plane through a point of it, at the distance of a pixel, in widths of the pixel:
+/// surfaces are curved.
+const CURVED: f64 = 2.0;
+
+/// The first hits of the rays through the centres of all pixels, at one moment, and the transforms of their objects.
+#[derive(Debug)]
+pub struct PrimaryHits {
+    size: (u32, u32),
+    camera: Camera,
+    /// Row by row from the top left.
+    hits: Vec<PrimaryHit>,
+    /// Per primitive: from the world to its own space.
+    to_object: Vec<DAffine3>,
+}
+
+/// A hit in the world.
+#[derive(Clone, Copy, Debug)]
+struct PrimaryHit {
+    /// The distance in lengths of the ray's direction; infinite if nothing is hit.
+    t: f64,
+    normal: [f32; 3],
+    primitive: u32,
+}
+
+/// What a pixel sees, in the world of the other frame.
+enum Seen {
+    Background,
+    Surface(SurfacePoint),
+}
+
+/// A point of a primitive, and the plane through it.
+struct SurfacePoint {
+    primitive: u32,
+    point: DVec3,
+    normal: DVec3,
+    /// How far from the plane other points of the surface may lie.
+    within: f64,
+}
+
+impl PrimaryHits {
+    /// Bytes per pixel.
+    pub const BYTES_PER_PIXEL: u64 = size_of::<PrimaryHit>() as u64;
+
+    /// The hits that camera rays find, through the centre of the lens.
+    pub fn find(scene: &Scene, bvh: &Bvh, size: (u32, u32)) -> Self {
+        let (width, height) = size;
+        let camera = Camera { lens: None, ..*scene.camera };
+        let bvh = bvh.of(RayKind::Camera);
+        let hit = |pixel: usize| {
+            let ray = camera.ray(screen(center(pixel, width), size), DVec2::ZERO);
+            match bvh.intersect_one(scene.geometry, &TraversalRay::new(ray)) {
+                None => PrimaryHit { t: f64::INFINITY, normal: [0.0; 3], primitive: u32::MAX },
+                Some(hit) => {
+                    let primitive = &scene.geometry.primitives[hit.primitive as usize];
+                    let normal = primitive.surface_at(&ray, hit.at).normal.as_vec3().to_array();
+                    PrimaryHit { t: hit.at.t, normal, primitive: hit.primitive }
+                }
+            }
+        };
+        let pixels = width as usize * height as usize;
+        let hits = (0..pixels).into_par_iter().with_min_len(256).map(hit).collect();
+        let slots = 0..scene.geometry.primitives.len();
+        let to_object = slots.map(|slot| *scene.geometry.origin(slot).to_object()).collect();
+        Self { size, camera, hits, to_object }
+    }
+
+    /// Where another frame sees the points that these pixels see. Points move with their objects.
+    pub fn seen_by(&self, other: &Self) -> Reprojection {
+        let motions = self.motions(other);
+        let pixel_height = 2.0 / f64::from(self.size.1);
+        let find = |pixel: usize| {
+            let hit = &self.hits[pixel];
+            if hit.primitive == u32::MAX {
+                let at = other.place_of_direction(self.direction(pixel))?;
+                return Some((at, Seen::Background));
+            }
+            let (mut point, mut normal) = (self.point(pixel), DVec3::from_array(hit.normal.map(f64::from)));
+            if let Motion::Moved { to, normals } = motions.get(hit.primitive as usize)? {
+                point = to.transform_point3(point);
+                normal = (*normals * normal).try_normalize()?;
+            }
+            let at = other.place_of(point)?;
+            let within = CURVED * other.half_height_at(point) * pixel_height;
+            let surface = SurfacePoint { primitive: hit.primitive, point, normal, within };
+            Some((at, Seen::Surface(surface)))
+        };
+        let sees = |pixel: usize, seen: &Seen| {
+            let hit = &other.hits[pixel];
+            match seen {
+                Seen::Background => hit.primitive == u32::MAX,
+                Seen::Surface(surface) if hit.primitive == surface.primitive => {
+                    let away = (other.point(pixel) - surface.point).dot(surface.normal);
+                    away.abs() <= surface.within
+                }
+                Seen::Surface(_) => false,
+            }
+        };
+        Reprojection::new(self.size, find, sees)
+    }
+
+    /// How each primitive moves to the other frame.
+    fn motions(&self, other: &Self) -> Vec<Motion> {
+        let both = self.to_object.iter().zip(&other.to_object);
+        let motion = |(own, to): (&DAffine3, &DAffine3)| {
+            if own == to {
+                return Motion::Still;
+            }
+            match (inverse(own), inverse(to)) {
+                (Some(from), Some(back)) => {
+                    Motion::Moved { to: back * *own, normals: (from * *to).matrix3.transpose() }
+                }
+                // Flat objects are hidden.
+                _ => Motion::Still,
+            }
+        };
+        both.map(motion).collect()
+    }
+
+    /// What a pixel hits.
+    fn point(&self, pixel: usize) -> DVec3 {
+        let screen = screen(center(pixel, self.size.0), self.size);
+        self.camera.ray(screen, DVec2::ZERO).at(self.hits[pixel].t)
+    }
+
+    /// The direction in which a pixel looks.
+    fn direction(&self, pixel: usize) -> DVec3 {
+        self.camera.ray(screen(center(pixel, self.size.0), self.size), DVec2::ZERO).direction
+    }
+
+    /// The position of a point in the picture, in pixels.
+    fn place_of(&self, point: DVec3) -> Option<DVec2> {
+        self.camera.project(point).screen().map(|screen| self.pixels(screen))
+    }
+
+    /// The position of what is infinitely far in a direction.
+    fn place_of_direction(&self, direction: DVec3) -> Option<DVec2> {
+        match self.camera.projection {
+            Projection::Perspective { .. } => self.place_of(self.camera.position + direction),
+            // All rays have one direction, so it has no place in the picture.
+            Projection::Orthographic { .. } => None,
+        }
+    }
+
+    fn pixels(&self, screen: DVec2) -> DVec2 {
+        let [width, height] = [self.size.0, self.size.1].map(f64::from);
+        DVec2::new((screen.x * height + width) / 2.0, (height - screen.y * height) / 2.0)
+    }
+
+    /// Half the height of the picture at a point in the world.
+    fn half_height_at(&self, point: DVec3) -> f64 {
+        match self.camera.projection {
+            Projection::Perspective { half_height } => {
+                half_height * (point - self.camera.position).dot(self.camera.basis.forward)
+            }
+            Projection::Orthographic { half_height } => half_height,
+        }
+    }
+}
+
+enum Motion {
+    Still,
+    Moved { to: DAffine3, normals: DMat3 },
+}
+
+/// The centre of a pixel, in pixels from the left and from the top.
+fn center(pixel: usize, width: u32) -> DVec2 {
+    let width = width as usize;
+    DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5)
+}
+
+/// A position of the picture in the units of [`Camera::ray`].
+fn screen(at: DVec2, (width, height): (u32, u32)) -> DVec2 {
+    let [width, height] = [width, height].map(f64::from);
+    DVec2::new((2.0 * at.x - width) / height, (height - 2.0 * at.y) / height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::material::MaterialBinding;
+    use crate::base::math::{Angle, axis_angle, look_at};
+    use crate::geometry::shape::{Cuboid, Plane, Shape, Sphere};
+    use crate::scene::{Finish, Geometry, Shading, Weights};
+
+    const SIZE: (u32, u32) = (48, 32);
+
+    /// A floor, a ball and a box that turns about the y-axis by so many degrees.
+    fn hits(eye: DVec3, turned: f64) -> PrimaryHits {
+        let mut geometry = Geometry::default();
+        let finish = Finish::Material(MaterialBinding::One(0));
+        let turn = DAffine3::from_mat3(axis_angle(DVec3::Y, Angle(turned)));
+        let still = DAffine3::IDENTITY;
+        let ball = Sphere { center: DVec3::new(1.5, 1.0, 0.0), radius: 1.0 };
+        let cuboid = Cuboid { min: DVec3::new(-2.0, 0.0, -0.5), max: DVec3::new(-1.0, 1.5, 0.5) };
+        geometry.push(&Shape::Plane(Plane { point: DVec3::ZERO, normal: DVec3::Y }), still, finish);
+        geometry.push(&Shape::Sphere(ball), still, finish);
+        geometry.push(&Shape::Cuboid(cuboid), turn, finish);
+        let basis = look_at(eye, DVec3::Y, DVec3::Y).expect("a frame");
+        let projection = Projection::Perspective { half_height: 0.4 };
+        let camera = Camera { position: eye, basis, projection, lens: None };
+        let (shading, weights) = (Shading::default(), Weights(Vec::new()));
+        let scene = Scene { geometry: &geometry, shading: &shading, weights: &weights, camera: &camera };
+        PrimaryHits::find(&scene, &Bvh::build(&geometry), SIZE)
+    }
+
+    /// The number of pixels whose points the other frame sees.
+    fn seen(own: &PrimaryHits, other: &PrimaryHits) -> usize {
+        let found = own.seen_by(other);
+        let pixels = (0..SIZE.1 as usize).flat_map(|y| (0..SIZE.0 as usize).map(move |x| [x, y]));
+        pixels.filter(|pixel| found.sees(*pixel)).count()
+    }
+
+    const EYE: DVec3 = DVec3::new(0.0, 2.0, 9.0);
+
+    #[test]
+    fn still_frames_see_everything() {
+        let own = hits(EYE, 20.0);
+        let all = (SIZE.0 * SIZE.1) as usize;
+        assert_eq!(seen(&own, &hits(EYE, 20.0)), all);
+        assert!(own.hits.iter().any(|hit| hit.primitive == u32::MAX));
+    }
+
+    /// Points of a box that turns are found on its turned sides, and only there.
+    #[test]
+    fn points_move_with_their_objects() {
+        let (own, other) = (hits(EYE, 20.0), hits(EYE, 29.0));
+        let Motion::Moved { to, normals } = &own.motions(&other)[2] else { panic!("the box turns") };
+        let turn = axis_angle(DVec3::Y, Angle(9.0));
+        assert!((to.matrix3 - turn).abs_diff_eq(DMat3::ZERO, 1e-12));
+        assert!((*normals - turn).abs_diff_eq(DMat3::ZERO, 1e-12));
+        assert!(matches!(own.motions(&other)[1], Motion::Still));
+        let of_box = |hits: &PrimaryHits| hits.hits.iter().filter(|hit| hit.primitive == 2).count();
+        let moved = seen(&own, &other);
+        // Some floor behind the box is hidden or appears.
+        let all = (SIZE.0 * SIZE.1) as usize;
+        assert!(moved < all && moved > all - of_box(&own), "{moved} of {all}, {}", of_box(&own));
+    }
+
+    /// From the other side, the same primitives show other points.
+    #[test]
+    fn hidden_points_are_not_seen() {
+        let (own, behind) = (hits(EYE, 0.0), hits(DVec3::new(0.0, 2.0, -9.0), 0.0));
+        let found = own.seen_by(&behind);
+        // The point of the ball that is nearest to the eye.
+        let near = |pixel: &usize| (own.point(*pixel) - EYE).length();
+        let ball = (0..own.hits.len()).filter(|pixel| own.hits[*pixel].primitive == 1);
+        let pixel = ball.min_by(|a, b| near(a).total_cmp(&near(b))).expect("the ball is seen");
+        assert!(!found.sees([pixel % SIZE.0 as usize, pixel / SIZE.0 as usize]));
+        let floor = own.hits.iter().rposition(|hit| hit.primitive == 0).expect("the floor is seen");
+        assert!(own.point(floor).y.abs() < 1e-9);
+    }
+
+    /// Positions in pixels are those through which rays are sent.
+    #[test]
+    fn points_are_where_rays_meet_them() {
+        let own = hits(EYE, 0.0);
+        for pixel in 0..own.hits.len() {
+            let at = own.place_of_direction(own.direction(pixel)).expect("in front of the camera");
+            assert!((at - center(pixel, SIZE.0)).length() < 1e-9, "{pixel}: {at}");
+        }
+    }
+}
