@@ -80,6 +80,7 @@ impl<S: FilmSink> FrameLoop<S> {
             keep: true,
             is_part: true,
             films: None,
+            parts: [0; 2],
             only_prepare: false,
         });
         let moments = self.moments_of(view.camera, state.frame, view.moments == 1);

@@ -178,6 +178,7 @@ impl<S: FilmSink> FrameLoop<S> {
             keep,
             is_part: false,
             films: None,
+            parts: [0; 2],
             only_prepare: false,
         });
         let moments = self.moments(state.frame, state.moments == 1);

@@ -35,10 +35,20 @@ impl<S: FilmSink> FrameLoop<S> {
     ) -> Result<Film, FrameError> {
         let is_needed = |known: &SampledFrame| sampled.iter().any(|one| one.digest() == known.digest);
         self.sampled.retain(is_needed);
-        let places: Vec<usize> =
-            sampled.iter().map(|one| self.sample(one, lit)).collect::<Result<_, FrameError>>()?;
+        // Two films of each frame, and the audits.
+        let missing = sampled.iter().filter(|one| self.known(one, lit).is_none()).count() as u32;
+        let all = 2 * missing + 2;
+        let (mut places, mut traced) = (Vec::with_capacity(sampled.len()), 0);
+        for one in sampled {
+            let known = self.known(one, lit);
+            traced += if known.is_none() { 2 } else { 0 };
+            places.push(match known {
+                Some(place) => place,
+                None => self.sample(one, lit, [traced - 2, all])?,
+            });
+        }
         let held = places.first().map_or(&[][..], |own| &self.sampled[*own].lit).to_vec();
-        let audits = self.trace_films(state, &held, FilmSet::Audits)?;
+        let audits = self.trace_films(state, &held, FilmSet::Audits, [traced, all])?;
         let (Ok([a, b]), [own, others @ ..]) = (<[Film; 2]>::try_from(audits), &places[..]) else {
             return Err(no_film(state));
         };
@@ -62,26 +72,34 @@ impl<S: FilmSink> FrameLoop<S> {
         Ok(film)
     }
 
-    /// Traces the samples of a frame, unless they are known. Returns their place in the list.
-    fn sample(&mut self, frame: &SampledState, lit: &[LayerId]) -> Result<usize, FrameError> {
+    /// The place of a frame's samples in the list, if they are known with all layers that are needed.
+    fn known(&self, frame: &SampledState, lit: &[LayerId]) -> Option<usize> {
+        let has_all =
+            |known: &SampledFrame| frame.lit.iter().chain(lit).all(|layer| known.lit.contains(layer));
+        self.sampled.iter().position(|known| known.digest == frame.digest() && has_all(known))
+    }
+
+    /// Traces the samples of a frame. Returns their place in the list.
+    fn sample(
+        &mut self,
+        frame: &SampledState,
+        lit: &[LayerId],
+        parts: [u32; 2],
+    ) -> Result<usize, FrameError> {
         let wanted: BTreeSet<LayerId> = frame.lit.iter().chain(lit).copied().collect();
-        let known = self.sampled.iter().position(|known| known.digest == frame.digest());
-        let has_all = |place: &usize| wanted.iter().all(|layer| self.sampled[*place].lit.contains(layer));
-        if let Some(place) = known.filter(has_all) {
-            return Ok(place);
-        }
         let lit: Vec<LayerId> = wanted.into_iter().collect();
-        let films = self.trace_films(&frame.state, &lit, FilmSet::Halves)?;
+        let films = self.trace_films(&frame.state, &lit, FilmSet::Halves, parts)?;
         let hits = self.world.resource_mut::<FilmInProgress>().hits.take();
         let (Ok(films), Some(hits)) = (<[Film; 2]>::try_from(films), hits) else {
             return Err(no_film(&frame.state));
         };
         let traced = SampledFrame { digest: frame.digest(), lit, halves: Halves::new(films), hits };
-        match known {
+        let before = self.sampled.iter().position(|known| known.digest == traced.digest);
+        match before {
             Some(place) => self.sampled[place] = traced,
             None => self.sampled.push(traced),
         }
-        Ok(known.unwrap_or(self.sampled.len() - 1))
+        Ok(before.unwrap_or(self.sampled.len() - 1))
     }
 
     /// Traces some of the films of a frame.
@@ -90,10 +108,12 @@ impl<S: FilmSink> FrameLoop<S> {
         state: &FrameState,
         lit: &[LayerId],
         set: FilmSet,
+        parts: [u32; 2],
     ) -> Result<Vec<Film>, FrameError> {
         self.world.insert_resource(TraceRequest {
             lit: Some(weights_of(state, lit)),
             films: Some(set),
+            parts,
             ..TraceRequest::default()
         });
         let moments = self.moments(state.frame, state.moments == 1);

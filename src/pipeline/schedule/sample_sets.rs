@@ -106,11 +106,12 @@ impl SampleSets {
         if self.before == 0 { self.all.clone() } else { LATER }
     }
 
-    /// Sets the meter to the part of the round that is traced now.
-    pub fn show(&self, meter: &ProgressMeter) {
+    /// Sets the meter to the part of the round that is traced now, after so many others and of all that are traced for a
+    /// frame; 0 if these are the only ones.
+    pub fn show(&self, meter: &ProgressMeter, [before, all]: [u32; 2]) {
         let parts = self.parts();
-        meter.pass.store((self.part - parts.start) as u32, Relaxed);
-        meter.passes.store(parts.len() as u32, Relaxed);
+        meter.pass.store(before + (self.part - parts.start) as u32, Relaxed);
+        meter.passes.store(all.max(parts.len() as u32), Relaxed);
     }
 
     /// Adds the film that was traced, with so many rays. The last one completes the frame, unless the target error asks for

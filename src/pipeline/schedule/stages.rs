@@ -146,6 +146,8 @@ pub struct TraceRequest {
     pub is_part: bool,
     /// The films to trace, if they are to be denoised later: then they are kept.
     pub films: Option<FilmSet>,
+    /// How many films are traced before these for the frame, and how many in all.
+    pub parts: [u32; 2],
     /// Whether to stop before Trace, because the scene is traced together with others.
     pub only_prepare: bool,
 }
@@ -305,7 +307,7 @@ pub fn trace_frame(
         in_progress.hits.get_or_insert_with(|| PrimaryHits::find(&scene, &bvh.0, settings.size));
     }
     let of_set = sets.as_ref().map(|sets| sets.settings(settings));
-    sets.iter().for_each(|sets| sets.show(&progress.0));
+    sets.iter().for_each(|sets| sets.show(&progress.0, request.parts));
     let traced = of_set.as_ref().unwrap_or(settings);
     let (mut film, counts) = match current.0 {
         Moment::ONLY if in_progress.rounds.is_none() => {
