@@ -86,6 +86,21 @@ impl ProjectedPoint {
     }
 }
 
+/// The place of a position of a picture of this size, in pixels from the left and from the top, in the units of
+/// [`Camera::ray`]: pixels are square, and both axes are in units of half the picture's height, from the centre.
+#[inline(always)]
+pub fn screen_of<F: Real>([across, down]: [F; 2], (width, height): (u32, u32)) -> [F; 2] {
+    let (width, height) = (F::splat(f64::from(width)), F::splat(f64::from(height)));
+    let two = F::splat(2.0);
+    [(two * across - width) / height, (height - two * down) / height]
+}
+
+/// The position in a picture of this size of a place in the units of [`Camera::ray`]: the inverse of [`screen_of`].
+pub fn pixels_of(screen: DVec2, (width, height): (u32, u32)) -> DVec2 {
+    let (width, height) = (f64::from(width), f64::from(height));
+    DVec2::new((screen.x * height + width) / 2.0, (height - screen.y * height) / 2.0)
+}
+
 /// A camera at one moment.
 #[derive(Clone, Copy, Debug, PartialEq, Content)]
 #[warn(missing_docs)]
@@ -124,6 +139,12 @@ impl Camera {
     pub fn ray(&self, screen: DVec2, u: DVec2) -> Ray {
         let ray = self.rays::<f64>(screen.to_array(), u.to_array());
         Ray { origin: ray.origin.into(), direction: ray.direction.into() }
+    }
+
+    /// The ray through the centre of the lens and a position of a picture of this size, in pixels from the left and from the
+    /// top.
+    pub fn pixel_ray(&self, at: [f64; 2], size: (u32, u32)) -> Ray {
+        Self { lens: None, ..*self }.ray(screen_of(at, size).into(), DVec2::ZERO)
     }
 
     /// The place of a point in the picture: the inverse of [`Camera::ray`] through the centre of the lens.

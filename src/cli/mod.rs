@@ -21,6 +21,7 @@ mod fixture;
 mod fmt;
 mod forecast_text;
 mod frame_selection;
+mod headed;
 mod image_options;
 mod json;
 pub mod keywords;

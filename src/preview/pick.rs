@@ -1,7 +1,7 @@
 //! What a pixel shows: the object, its material, and the light that reaches it.
 
 use super::session::Session;
-use crate::base::math::{DVec2, DVec3, UpAxis};
+use crate::base::math::{DVec3, UpAxis};
 use crate::base::stats::RayCounts;
 use crate::base::time::Time;
 use crate::geometry::bvh::TraversalRay;
@@ -47,10 +47,10 @@ impl Session {
         if x >= size.0 || y >= size.1 {
             return None;
         }
-        let screen = screen_of((x, y), size);
+        let center = [x, y].map(|at| f64::from(at) + 0.5);
         let random = state.random;
         let see = |scene: &Scene, bvh: &Bvh, settings: &TraceSettings| {
-            (hit(scene, bvh, screen), rays_of_pixel(scene, bvh, settings, random, (x, y)))
+            (hit(scene, bvh, center, size), rays_of_pixel(scene, bvh, settings, random, (x, y)))
         };
         let (picked, rays) = self.scene()?.tracer().see(&state, camera.as_ref(), see).ok()?;
         let shares = self.light_shares(x, y);
@@ -101,15 +101,8 @@ impl Session {
     }
 }
 
-/// The place of a pixel's centre in the units of `Camera::ray`.
-fn screen_of((x, y): (u32, u32), (width, height): (u32, u32)) -> DVec2 {
-    let (width, height) = (f64::from(width), f64::from(height));
-    DVec2::new((2.0 * f64::from(x) + 1.0 - width) / height, (height - 2.0 * f64::from(y) - 1.0) / height)
-}
-
-fn hit(scene: &Scene, bvh: &Bvh, screen: DVec2) -> Option<Picked> {
-    let camera = crate::camera::Camera { lens: None, ..*scene.camera };
-    let ray = camera.ray(screen, DVec2::ZERO);
+fn hit(scene: &Scene, bvh: &Bvh, at: [f64; 2], size: (u32, u32)) -> Option<Picked> {
+    let ray = scene.camera.pixel_ray(at, size);
     let hit = bvh.intersect_one(scene.geometry, &TraversalRay::new(ray))?;
     let primitive = &scene.geometry.primitives[hit.primitive as usize];
     let surface = primitive.surface_at(&ray, hit.at);

@@ -5,7 +5,7 @@ use super::medium::OUTSIDE;
 use super::stream::{PathState, PathStream, Throughput, flags};
 use crate::base::lanes::{Bits, Level, Lookup, Mask, Real, Row, Select, SimdKernel, Vec3};
 use crate::base::stats::Counts;
-use crate::camera::RayCone;
+use crate::camera::{RayCone, screen_of};
 use crate::sampling::{LaneSampler, Sampler, SamplerKind, dimension};
 
 /// The samples of a wave. Each has a slot, its index in these columns.
@@ -240,14 +240,10 @@ impl<F: Real> LaneSamples<F> {
     #[inline(always)]
     fn begin(&self, context: &TraceContext, [across, down]: [F; 2], lens: [F; 2]) -> PathState<F> {
         let camera = context.scene.camera;
-        let (width, height) = context.settings.size;
-        let (width, height) = (F::splat(f64::from(width)), F::splat(f64::from(height)));
-        let (two, zero) = (F::splat(2.0), F::splat(0.0));
-        // Pixels are square. Both axes are in units of half the image height, from the centre.
-        let screen = [(two * across - width) / height, (height - two * down) / height];
-        let ray = camera.rays::<F>(screen, lens);
+        let (height, zero) = (F::splat(f64::from(context.settings.size.1)), F::splat(0.0));
+        let ray = camera.rays::<F>(screen_of([across, down], context.settings.size), lens);
         let cone = match context.columns.cones {
-            true => camera.cones(&ray, two / height),
+            true => camera.cones(&ray, F::splat(2.0) / height),
             false => RayCone { width: zero, spread: zero },
         };
         let none = F::U32::splat(0);

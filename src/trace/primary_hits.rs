@@ -1,7 +1,7 @@
 //! What the middle of each pixel sees, to find the same points in other frames.
 
 use crate::base::math::{DAffine3, DMat3, DVec2, DVec3, inverse};
-use crate::camera::{Camera, Projection};
+use crate::camera::{Camera, Projection, pixels_of};
 use crate::film::denoise::Reprojection;
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::ray_kinds::RayKind;
@@ -55,10 +55,10 @@ impl PrimaryHits {
     /// The hits that camera rays find, through the centre of the lens.
     pub fn find(scene: &Scene, bvh: &Bvh, size: (u32, u32)) -> Self {
         let (width, height) = size;
-        let camera = Camera { lens: None, ..*scene.camera };
+        let camera = *scene.camera;
         let bvh = bvh.of(RayKind::Camera);
         let hit = |pixel: usize| {
-            let ray = camera.ray(screen(center(pixel, width), size), DVec2::ZERO);
+            let ray = camera.pixel_ray(center(pixel, width), size);
             match bvh.intersect_one(scene.geometry, &TraversalRay::new(ray)) {
                 None => PrimaryHit { t: f64::INFINITY, normal: [0.0; 3], primitive: u32::MAX },
                 Some(hit) => {
@@ -129,18 +129,17 @@ impl PrimaryHits {
 
     /// What a pixel hits.
     fn point(&self, pixel: usize) -> DVec3 {
-        let screen = screen(center(pixel, self.size.0), self.size);
-        self.camera.ray(screen, DVec2::ZERO).at(self.hits[pixel].t)
+        self.camera.pixel_ray(center(pixel, self.size.0), self.size).at(self.hits[pixel].t)
     }
 
     /// The direction in which a pixel looks.
     fn direction(&self, pixel: usize) -> DVec3 {
-        self.camera.ray(screen(center(pixel, self.size.0), self.size), DVec2::ZERO).direction
+        self.camera.pixel_ray(center(pixel, self.size.0), self.size).direction
     }
 
     /// The position of a point in the picture, in pixels.
     fn place_of(&self, point: DVec3) -> Option<DVec2> {
-        self.camera.project(point).screen().map(|screen| self.pixels(screen))
+        self.camera.project(point).screen().map(|screen| pixels_of(screen, self.size))
     }
 
     /// The position of what is infinitely far in a direction.
@@ -150,11 +149,6 @@ impl PrimaryHits {
             // All rays have one direction, so it has no place in the picture.
             Projection::Orthographic { .. } => None,
         }
-    }
-
-    fn pixels(&self, screen: DVec2) -> DVec2 {
-        let [width, height] = [self.size.0, self.size.1].map(f64::from);
-        DVec2::new((screen.x * height + width) / 2.0, (height - screen.y * height) / 2.0)
     }
 
     /// Half the height of the picture at a point in the world.
@@ -174,22 +168,16 @@ enum Motion {
 }
 
 /// The centre of a pixel, in pixels from the left and from the top.
-fn center(pixel: usize, width: u32) -> DVec2 {
+fn center(pixel: usize, width: u32) -> [f64; 2] {
     let width = width as usize;
-    DVec2::new((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5)
-}
-
-/// A position of the picture in the units of [`Camera::ray`].
-fn screen(at: DVec2, (width, height): (u32, u32)) -> DVec2 {
-    let [width, height] = [width, height].map(f64::from);
-    DVec2::new((2.0 * at.x - width) / height, (height - 2.0 * at.y) / height)
+    [pixel % width, pixel / width].map(|place| place as f64 + 0.5)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::appearance::material::MaterialBinding;
-    use crate::base::math::{Angle, axis_angle, look_at};
+    use crate::base::math::{Angle, axis_angle, gamma, look_at};
     use crate::geometry::shape::{Cuboid, Plane, Shape, Sphere};
     use crate::scene::{Finish, Geometry, Shading, Weights};
 
@@ -237,8 +225,10 @@ mod tests {
         let (own, other) = (hits(EYE, 20.0), hits(EYE, 29.0));
         let Motion::Moved { to, normals } = &own.motions(&other)[2] else { panic!("the box turns") };
         let turn = axis_angle(DVec3::Y, Angle(9.0));
-        assert!((to.matrix3 - turn).abs_diff_eq(DMat3::ZERO, 1e-12));
-        assert!((*normals - turn).abs_diff_eq(DMat3::ZERO, 1e-12));
+        // Two inverses and products of matrices with entries of at most 1.
+        let bound = gamma(32);
+        assert!((to.matrix3 - turn).abs_diff_eq(DMat3::ZERO, bound));
+        assert!((*normals - turn).abs_diff_eq(DMat3::ZERO, bound));
         assert!(matches!(own.motions(&other)[1], Motion::Still));
         let of_box = |hits: &PrimaryHits| hits.hits.iter().filter(|hit| hit.primitive == 2).count();
         let moved = seen(&own, &other);
@@ -258,7 +248,8 @@ mod tests {
         let pixel = ball.min_by(|a, b| near(a).total_cmp(&near(b))).expect("the ball is seen");
         assert!(!found.sees([pixel % SIZE.0 as usize, pixel / SIZE.0 as usize]));
         let floor = own.hits.iter().rposition(|hit| hit.primitive == 0).expect("the floor is seen");
-        assert!(own.point(floor).y.abs() < 1e-9);
+        // A product and a sum along a ray that is a few times as long as the eye is far away.
+        assert!(own.point(floor).y.abs() <= gamma(32) * own.hits[floor].t);
     }
 
     /// Positions in pixels are those through which rays are sent.
@@ -267,7 +258,9 @@ mod tests {
         let own = hits(EYE, 0.0);
         for pixel in 0..own.hits.len() {
             let at = own.place_of_direction(own.direction(pixel)).expect("in front of the camera");
-            assert!((at - center(pixel, SIZE.0)).length() < 1e-9, "{pixel}: {at}");
+            // A ray and a projection: fewer than 64 roundings of positions of at most the size of the picture.
+            let off = at - DVec2::from(center(pixel, SIZE.0));
+            assert!(off.length() <= gamma(64) * f64::from(SIZE.0), "{pixel}: {at}");
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use super::report::PlanReport;
 use super::{changes, films};
-use crate::base::escape;
 use crate::base::units::{self, count, counted};
 use crate::cli::forecast_text::{advice, error_range, short_time, time_range};
+use crate::cli::headed::{self, Group};
 use crate::cli::summary::reused_frames;
 use crate::pipeline::plan::{EffectSource, FrameSpan, RayEstimate, Reason, SceneEffect, camera_rays};
 use crate::pipeline::schedule::ViewObstacle;
@@ -17,9 +17,6 @@ const FILM: &str = "a film is the light traced for a frame, in layers; frames in
 
 /// Takes the place of the times if there was no pilot.
 const NO_PILOT: &str = "no pilot was traced";
-
-/// A heading, and the lines beside and below it.
-type Group = (&'static str, Vec<String>);
 
 pub fn text(report: &PlanReport) -> String {
     let mut groups = vec![
@@ -38,19 +35,7 @@ pub fn text(report: &PlanReport) -> String {
     groups.extend(zoom(report).map(|line| ("zoom", vec![line])));
     groups.push(("memory", memory(report)));
     groups.extend(report.farm.iter().map(|farm| ("farm", farm.lines())));
-    aligned(&groups)
-}
-
-fn aligned(groups: &[Group]) -> String {
-    let mut text = String::new();
-    for (heading, lines) in groups {
-        for (place, line) in lines.iter().enumerate() {
-            let heading = if place == 0 { heading } else { "" };
-            text += &format!("{heading:<7} {}\n", escape::line(line));
-        }
-    }
-    text.truncate(text.trim_end().len());
-    text
+    headed::text(&groups)
 }
 
 fn frames(report: &PlanReport) -> String {

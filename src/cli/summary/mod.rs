@@ -3,6 +3,7 @@
 mod error;
 
 use super::forecast_text;
+use super::headed;
 use super::json::{line, object, rounded};
 use crate::base::escape;
 use crate::base::stats::{Counts, SharedSamples};
@@ -52,15 +53,7 @@ pub fn text(summary: &Summary) -> String {
         ("stages", aligned(&stages)),
         ("note", summary.notes.clone()),
     ];
-    let mut text = String::new();
-    for (heading, lines) in groups {
-        for (place, line) in lines.iter().enumerate() {
-            let heading = if place == 0 { heading } else { "" };
-            text += &format!("{heading:<7} {}\n", escape::line(line));
-        }
-    }
-    text.truncate(text.trim_end().len());
-    text
+    headed::text(&groups)
 }
 
 /// The name of a written file.

@@ -88,7 +88,7 @@ pub fn bytes((width, height): (u32, u32), layers: u64, neighbors: u64) -> u64 {
     let pooled = if neighbors > 0 { candidates::BYTES_OF_POOLED } else { 0 };
     let pixel =
         light.saturating_add(candidates::bytes_of_pixel(layers)).saturating_add(BYTES_OF_LAYER + pooled);
-    let reprojected = neighbors * Reprojection::BYTES_PER_PIXEL;
+    let reprojected = neighbors * Neighbor::BYTES_PER_PIXEL;
     let pixel = pixel.saturating_add(reprojected);
     row.saturating_mul(pixel).saturating_add(2 * guides * Guides::BYTES_PER_PIXEL)
 }

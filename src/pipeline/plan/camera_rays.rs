@@ -1,11 +1,9 @@
 //! The number of camera rays of films.
 
-use crate::base::digest::Digest;
 use crate::film::LayerId;
-use crate::pipeline::schedule::{FadedView, FrameState, SampledState};
+use crate::pipeline::schedule::{FadedView, FrameState, KnownSamples, SampledState};
 use crate::sequence::Sequence;
 use crate::trace::MIN_SAMPLES;
-use std::collections::BTreeSet;
 
 /// Camera rays of a film. With a target error, this is the minimum.
 pub fn camera_rays(sequence: &Sequence, state: &FrameState) -> u64 {
@@ -27,7 +25,7 @@ pub fn camera_rays_in_order<'a, L: AsRef<[LayerId]>>(
     let (mut all, mut sampled) = (Vec::new(), KnownSamples::default());
     for (state, lit) in films {
         if let Some(neighbors) = &state.neighbors {
-            all.push(sampled.rays(sequence, neighbors, lit.as_ref()));
+            all.push(rays_among_neighbors(sequence, neighbors, lit.as_ref(), &mut sampled));
             before = None;
             continue;
         }
@@ -46,41 +44,40 @@ pub fn camera_rays_in_order<'a, L: AsRef<[LayerId]>>(
     all
 }
 
-/// The samples that a run keeps for neighbours: as [`FrameLoop`](crate::pipeline::schedule::FrameLoop) does.
-#[derive(Default)]
-struct KnownSamples(Vec<(Digest, BTreeSet<LayerId>)>);
-
-impl KnownSamples {
-    /// Camera rays of a film, of which the first entry of `frames` is the frame itself.
-    fn rays(&mut self, sequence: &Sequence, frames: &[SampledState], lit: &[LayerId]) -> u64 {
-        self.0.retain(|(known, _)| frames.iter().any(|frame| frame.digest() == *known));
-        let mut traced = 0;
-        for frame in frames {
-            let wanted: BTreeSet<LayerId> = frame.lit.iter().chain(lit).copied().collect();
-            match self.0.iter_mut().find(|(known, _)| *known == frame.digest()) {
-                Some((_, held)) if wanted.is_subset(held) => continue,
-                Some((_, held)) => *held = wanted,
-                None => self.0.push((frame.digest(), wanted)),
-            }
+/// Camera rays of a film, of which the first entry of `frames` is the frame itself.
+fn rays_among_neighbors(
+    sequence: &Sequence,
+    frames: &[SampledState],
+    lit: &[LayerId],
+    known: &mut KnownSamples<()>,
+) -> u64 {
+    known.keep_for(frames);
+    let mut traced = 0;
+    for frame in frames {
+        if known.find(frame, lit).is_none() {
+            known.insert(frame, frame.layers_with(lit), ());
             traced += 1;
         }
-        let (width, height) = sequence.output.size;
-        let quality = &sequence.quality;
-        // The frame itself has audits besides.
-        let picture = quality.samples.next_multiple_of(2);
-        let audits = quality.traced_samples(quality.samples) - picture;
-        u64::from(width) * u64::from(height) * (u64::from(picture) * traced + u64::from(audits))
     }
+    let quality = &sequence.quality;
+    // The frame itself has audits besides.
+    let picture = quality.samples.next_multiple_of(2);
+    let audits = quality.traced_samples(quality.samples) - picture;
+    pixels(sequence) * (u64::from(picture) * traced + u64::from(audits))
 }
 
 /// Camera rays of what one camera shows.
 fn rays_of_view(sequence: &Sequence, random: bool) -> u64 {
-    let (width, height) = sequence.output.size;
     let quality = &sequence.quality;
     let each = match quality.noise {
         _ if !random => quality.antialias * quality.antialias,
         Some(target) => quality.traced_samples(target.most.min(MIN_SAMPLES)),
         None => quality.traced_samples(quality.samples),
     };
-    u64::from(width) * u64::from(height) * u64::from(each)
+    pixels(sequence) * u64::from(each)
+}
+
+fn pixels(sequence: &Sequence) -> u64 {
+    let (width, height) = sequence.output.size;
+    u64::from(width) * u64::from(height)
 }

@@ -4,6 +4,7 @@ use super::cross_fade::FadedFilm;
 use super::frame_mark::FrameMark;
 use super::frame_state::FrameState;
 use super::frame_states::frame_states;
+use super::known_samples::KnownSamples;
 use super::neighbors::SampledFrame;
 use super::preview::Preview;
 use super::shared_paths::weights_of;
@@ -46,7 +47,7 @@ pub struct FrameLoop<S> {
     /// The films of the cameras that showed the last frame together.
     pub(super) faded: Vec<FadedFilm>,
     /// The samples of frames that the next one may be denoised with.
-    pub(super) sampled: Vec<SampledFrame>,
+    pub(super) sampled: KnownSamples<SampledFrame>,
     sink: PhantomData<S>,
 }
 
@@ -114,7 +115,7 @@ impl<S: FilmSink> FrameLoop<S> {
             evaluation: Evaluation::of(sequence),
             mark: None,
             faded: Vec::new(),
-            sampled: Vec::new(),
+            sampled: KnownSamples::default(),
             sink: PhantomData,
         }
     }

@@ -84,6 +84,11 @@ impl SampledState {
     pub fn digest(&self) -> Digest {
         Digest::of(&(self.state.scene_hash, self.state.poses))
     }
+
+    /// The layers to sample, ascending: those that it is sampled for, and `lit`.
+    pub fn layers_with(&self, lit: &[LayerId]) -> Vec<LayerId> {
+        self.lit.iter().chain(lit).copied().collect::<BTreeSet<_>>().into_iter().collect()
+    }
 }
 
 /// Why a frame does not share samples of views.

@@ -1,25 +1,21 @@
 //! Frames that are denoised with the samples of the frames before and after them.
 //!
-//! Samples are kept from frame to frame, so a run over all frames traces none of them twice. A frame by itself takes the
-//! samples of its neighbours, too, and so has the same bytes as in a run over all.
+//! Samples are kept while they are those of a neighbour of the next frame, so a run over all frames traces them once. A frame
+//! by itself takes the samples of its neighbours, too, and so has the same bytes as in a run over all.
 
 use super::frame_loop::FrameLoop;
 use super::frame_state::{FrameState, SampledState};
-use super::sample_sets::{FilmSet, drawn};
+use super::sample_sets::FilmSet;
 use super::shared_paths::weights_of;
 use super::stages::{FilmInProgress, FilmSink, FrameError, RunProgress, Stats, TraceRequest};
-use crate::base::digest::Digest;
 use crate::camera::path::NoCamera;
 use crate::film::denoise::{Halves, Neighbor, SampleFilms, denoise};
 use crate::film::{Film, LayerId};
 use crate::trace::PrimaryHits;
-use std::collections::BTreeSet;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// The samples of a frame, for it and its neighbours.
+/// The samples of a frame, for it and its neighbours, and what its pixels see.
 pub struct SampledFrame {
-    digest: Digest,
-    lit: Vec<LayerId>,
     halves: Halves,
     hits: PrimaryHits,
 }
@@ -33,37 +29,32 @@ impl<S: FilmSink> FrameLoop<S> {
         sampled: &[SampledState],
         lit: &[LayerId],
     ) -> Result<Film, FrameError> {
-        let is_needed = |known: &SampledFrame| sampled.iter().any(|one| one.digest() == known.digest);
-        self.sampled.retain(is_needed);
+        self.sampled.keep_for(sampled);
+        let missing: Vec<&SampledState> =
+            sampled.iter().filter(|one| self.sampled.find(one, lit).is_none()).collect();
         // Two films of each frame, and the audits.
-        let missing = sampled.iter().filter(|one| self.known(one, lit).is_none()).count() as u32;
-        let all = 2 * missing + 2;
-        let (mut places, mut traced) = (Vec::with_capacity(sampled.len()), 0);
-        for one in sampled {
-            let known = self.known(one, lit);
-            traced += if known.is_none() { 2 } else { 0 };
-            places.push(match known {
-                Some(place) => place,
-                None => self.sample(one, lit, [traced - 2, all])?,
-            });
+        let all = 2 * missing.len() as u32 + 2;
+        for (before, one) in (0..).step_by(2).zip(&missing) {
+            self.sample(one, lit, [before, all])?;
         }
-        let held = places.first().map_or(&[][..], |own| &self.sampled[*own].lit).to_vec();
-        let audits = self.trace_films(state, &held, FilmSet::Audits, [traced, all])?;
-        let (Ok([a, b]), [own, others @ ..]) = (<[Film; 2]>::try_from(audits), &places[..]) else {
+        let held = sampled.first().and_then(|own| self.sampled.find(own, lit));
+        let held = held.map_or(&[][..], |(_, held)| held).to_vec();
+        let audits = self.trace_films(state, &held, FilmSet::Audits, [all - 2, all])?;
+        let known = sampled.iter().filter_map(|one| self.sampled.find(one, lit));
+        let known: Vec<&SampledFrame> = known.map(|(samples, _)| samples).collect();
+        let (Ok([a, b]), [own, others @ ..]) = (<[Film; 2]>::try_from(audits), &known[..]) else {
             return Err(no_film(state));
         };
-        let own = &self.sampled[*own];
-        let neighbor = |place: &usize| {
-            let SampledFrame { halves, hits, .. } = &self.sampled[*place];
-            let found = own.hits.seen_by(hits);
+        let found_in = |other: &SampledFrame| {
+            let found = own.hits.seen_by(&other.hits);
             // Where nothing moves, they have the same random numbers otherwise, and nothing to add.
-            let found = if self.quality.vary_noise { found } else { found.without_still() };
-            Neighbor::new(halves, found)
+            if self.quality.vary_noise { found } else { found.without_still() }
         };
         let film = tracing::debug_span!("denoise").in_scope(|| {
-            let neighbors: Vec<Neighbor> = others.iter().map(neighbor).collect();
+            let neighbors: Vec<Neighbor> =
+                others.iter().map(|other| Neighbor::new(&other.halves, found_in(other))).collect();
             let films = SampleFilms { halves: &own.halves, neighbors: &neighbors, audits: [&a, &b] };
-            denoise(&films, f64::from(drawn(self.quality.samples.next_multiple_of(2))))
+            denoise(&films, f64::from(self.quality.traced_samples(self.quality.samples)))
         });
         self.world.resource_mut::<Stats>().traced += 1;
         let meter = &self.world.resource::<RunProgress>().0;
@@ -72,34 +63,16 @@ impl<S: FilmSink> FrameLoop<S> {
         Ok(film)
     }
 
-    /// The place of a frame's samples in the list, if they are known with all layers that are needed.
-    fn known(&self, frame: &SampledState, lit: &[LayerId]) -> Option<usize> {
-        let has_all =
-            |known: &SampledFrame| frame.lit.iter().chain(lit).all(|layer| known.lit.contains(layer));
-        self.sampled.iter().position(|known| known.digest == frame.digest() && has_all(known))
-    }
-
-    /// Traces the samples of a frame. Returns their place in the list.
-    fn sample(
-        &mut self,
-        frame: &SampledState,
-        lit: &[LayerId],
-        parts: [u32; 2],
-    ) -> Result<usize, FrameError> {
-        let wanted: BTreeSet<LayerId> = frame.lit.iter().chain(lit).copied().collect();
-        let lit: Vec<LayerId> = wanted.into_iter().collect();
+    /// Traces the samples of a frame.
+    fn sample(&mut self, frame: &SampledState, lit: &[LayerId], parts: [u32; 2]) -> Result<(), FrameError> {
+        let lit = frame.layers_with(lit);
         let films = self.trace_films(&frame.state, &lit, FilmSet::Halves, parts)?;
         let hits = self.world.resource_mut::<FilmInProgress>().hits.take();
         let (Ok(films), Some(hits)) = (<[Film; 2]>::try_from(films), hits) else {
             return Err(no_film(&frame.state));
         };
-        let traced = SampledFrame { digest: frame.digest(), lit, halves: Halves::new(films), hits };
-        let before = self.sampled.iter().position(|known| known.digest == traced.digest);
-        match before {
-            Some(place) => self.sampled[place] = traced,
-            None => self.sampled.push(traced),
-        }
-        Ok(before.unwrap_or(self.sampled.len() - 1))
+        self.sampled.insert(frame, lit, SampledFrame { halves: Halves::new(films), hits });
+        Ok(())
     }
 
     /// Traces some of the films of a frame.

@@ -31,6 +31,8 @@ pub struct Preview {
     /// Settings that are equal in all frames.
     settings: FilmSettings,
     digests: Digests,
+    /// The digest of the poses, and the revision of the geometry of which it is.
+    poses: Option<(u64, Digest)>,
     /// Change tick of the shading at the last evaluation.
     shading_tick: Option<Tick>,
 }
@@ -91,6 +93,7 @@ impl Preview {
             exposure: sequence.output.exposure.clone(),
             settings,
             digests: Digests::default(),
+            poses: None,
             shading_tick: None,
         }
     }
@@ -251,9 +254,10 @@ impl Preview {
             (Digest::of(&(self.digests.scene_hash(&scene), random)), view)
         });
         let scene_hash = self.digests.scene_hash(&scene);
-        let poses = match self.settings.uses_neighbors() {
-            true => poses(&geometry.0),
-            false => Digest::default(),
+        let poses = match self.poses {
+            _ if !self.settings.uses_neighbors() => Digest::default(),
+            Some((revision, known)) if revision == geometry.0.revision() => known,
+            _ => self.poses.insert((geometry.0.revision(), poses(&geometry.0))).1,
         };
         Ok(MomentState { scene_hash, image_hash, random, surroundings, viewpoint, poses })
     }

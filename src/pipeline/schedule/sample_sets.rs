@@ -230,7 +230,7 @@ impl SampleSets {
 }
 
 /// The samples per pixel of all films of a picture with so many.
-pub fn drawn(picture: u32) -> u32 {
+fn drawn(picture: u32) -> u32 {
     picture + 2 * samples_of_audit(picture)
 }
 

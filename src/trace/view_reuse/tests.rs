@@ -5,7 +5,7 @@ use super::raster::Raster;
 use super::samples::{SampleGrid, SamplePlan};
 use super::view::{View, ViewMap, finest_first};
 use super::{SharedViews, traced_blocks};
-use crate::base::math::{DVec2, DVec3, gamma, look_at};
+use crate::base::math::{DVec3, gamma, look_at};
 use crate::camera::{Camera, Projection};
 use crate::film::filter::Filter;
 use crate::testing::Random;
@@ -41,11 +41,7 @@ fn maps_follow_the_rays_of_cameras() {
     let cameras = [camera(DVec3::new(0.1, -0.2, -1.0), 0.4), camera(DVec3::new(-0.2, 0.1, -1.0), 0.7)];
     let views = cameras.map(|camera| View::of(&camera).expect("a view"));
     let map = ViewMap::between(&views[0], &views[1], &raster);
-    let ray = |camera: &Camera, [across, down]: [f64; 2]| {
-        let (width, height) = (f64::from(SIZE.0), f64::from(SIZE.1));
-        let screen = DVec2::new((2.0 * across - width) / height, (height - 2.0 * down) / height);
-        camera.ray(screen, DVec2::ZERO).direction
-    };
+    let ray = |camera: &Camera, [across, down]: [f64; 2]| camera.pixel_ray([across, down], SIZE).direction;
     let mut random = Random(5);
     for _ in 0..1000 {
         let from = [48.0 * random.unit(), 30.0 * random.unit()];

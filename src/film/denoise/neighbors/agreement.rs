@@ -26,6 +26,7 @@ const SEEN: usize = 0;
 const NOISE: usize = 1;
 const THEIR_NOISE: usize = 2;
 const CHANGE: usize = 3;
+const ERRORS: [usize; 3] = [NOISE, THEIR_NOISE, CHANGE];
 
 /// The weights of a neighbour at each pixel, relative to that of the picture's own samples: a plane. `own` is the light of
 /// both halves, the planes of a layer from `first` on, and `theirs` that of the neighbour at the same points. `floor` is
@@ -41,25 +42,22 @@ pub fn weights(
     measured.par_lines_mut().enumerate().for_each(|(y, line)| {
         let [a, b] = own.map(|light| [0, 1, 2].map(|channel| light.row(first + channel, y)));
         let [c, d] = theirs.map(|light| light.channels(0, y));
-        let (mut light, mut row) = (vec![0.0; stride], [0; PLANES].map(|_| vec![0.0; stride]));
-        for channel in 0..3 {
-            let [a, b, c, d] = [a, b, c, d].map(|light| light[channel]);
-            for x in 0..stride {
-                light[x] += 0.5 * (a[x] + b[x]);
-                row[NOISE][x] += 0.5 * (a[x] - b[x]) * (a[x] - b[x]);
-                row[THEIR_NOISE][x] += 0.5 * (c[x] - d[x]) * (c[x] - d[x]);
-                row[CHANGE][x] += (c[x] - a[x]) * (d[x] - b[x]);
+        let taps = by.row(y).iter().enumerate();
+        for (x, _) in taps.filter(|(_, taps)| taps.is_seen()) {
+            let (mut light, mut errors) = (0.0, [0.0; ERRORS.len()]);
+            for channel in 0..3 {
+                let [a, b, c, d] = [a, b, c, d].map(|light| light[channel][x]);
+                light += 0.5 * (a + b);
+                errors[0] += 0.5 * (a - b) * (a - b);
+                errors[1] += 0.5 * (c - d) * (c - d);
+                errors[2] += (c - a) * (d - b);
             }
-        }
-        for (x, taps) in by.row(y).iter().enumerate() {
-            let unit = 1.0 / (light[x] * light[x] + floor);
-            let errors = [NOISE, THEIR_NOISE, CHANGE].map(|plane| row[plane][x] * unit);
+            let unit = 1.0 / (light * light + floor);
+            let errors = errors.map(|error| error * unit);
             // Light that overflows cannot be compared.
-            if taps.is_seen() && errors.iter().all(|error| error.is_finite()) {
+            if errors.iter().all(|error| error.is_finite()) {
                 line[SEEN * stride + x] = 1.0;
-                for (plane, error) in [NOISE, THEIR_NOISE, CHANGE].into_iter().zip(errors) {
-                    line[plane * stride + x] = error;
-                }
+                ERRORS.into_iter().zip(errors).for_each(|(plane, error)| line[plane * stride + x] = error);
             }
         }
     });

@@ -78,23 +78,19 @@ impl Pooled {
         let mut guide_sums = sums_of_guides(halves);
         let mut shown_sums = None;
         let mut still = Planes::new(light[0].size(), 1);
-        for Neighbor { halves: theirs, reprojection: by } in neighbors {
+        for Neighbor { halves: theirs, reprojection: by, guides } in neighbors {
             let Some(their_place) = theirs.place_of(layer) else { continue };
             let found =
                 theirs.dimmed.each_ref().map(|light| moved(light, 3 * their_place..3 * their_place + 3, by));
             let weights = weights((light, 3 * place), found.each_ref(), by, floor);
             light_sums.iter_mut().zip(&found).for_each(|(sum, found)| sum.add(found, &weights));
-            let guides = theirs.films.each_ref().map(|film| {
-                let planes = guide_planes(film);
-                moved(&planes, 0..planes.count, by)
-            });
             if by.is_partly_still {
                 let weights = of_still(&weights, by);
                 let shown = shown_sums.get_or_insert_with(|| sums_of_guides(halves));
-                shown.iter_mut().zip(&guides).for_each(|(sum, guides)| sum.add(guides, &weights));
+                shown.iter_mut().zip(guides).for_each(|(sum, guides)| sum.add(guides, &weights));
                 still.add(&weights);
             }
-            guide_sums.iter_mut().zip(&guides).for_each(|(sum, guides)| sum.add(guides, &weights));
+            guide_sums.iter_mut().zip(guides).for_each(|(sum, guides)| sum.add(guides, &weights));
         }
         let [first, second] = own;
         let with_unit = |sums: [Sum; 2]| {
@@ -116,7 +112,7 @@ fn sums_of_guides(halves: &Halves) -> [Sum; 2] {
 }
 
 /// Planes of a neighbour at the points of the pixels; zero where it does not see them.
-fn moved(from: &Planes, planes: Range<usize>, by: &Reprojection) -> Planes {
+pub(super) fn moved(from: &Planes, planes: Range<usize>, by: &Reprojection) -> Planes {
     let mut into = Planes::new(from.size(), planes.len());
     let stride = into.stride;
     into.par_lines_mut().enumerate().for_each(|(y, line)| {

@@ -38,7 +38,7 @@ impl Taps {
 
 #[warn(missing_docs)]
 impl Reprojection {
-    pub(in super::super) const BYTES_PER_PIXEL: u64 = size_of::<Taps>() as u64;
+    pub(super) const BYTES_PER_PIXEL: u64 = size_of::<Taps>() as u64;
 
     /// `find` gives what a pixel sees, and the position at which the other film sees it, in pixels from the left and from
     /// the top: none if it is behind the other camera. `sees` decides whether a pixel of the other film sees that point.
