@@ -7,9 +7,7 @@ use super::halves::SampleHalves;
 use super::layer_products::LayerProducts;
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
-use crate::base::stats::Counts;
 use crate::film::{ErrorVariance, Variances};
-use crate::trace::pixels::{PixelTracer, SampleSet};
 use std::ops::Range;
 
 /// A block of pixels.
@@ -29,6 +27,7 @@ pub struct Block {
     before: u32,
     /// The number of samples after the current round, if the block takes part in it.
     next: Option<u32>,
+    /// Its rays so far. Blocks that are traced together share theirs by their pixels.
     rays: u64,
     /// The mean over the pixels of each layer that holds light.
     means: Vec<DVec3>,
@@ -161,13 +160,20 @@ impl Block {
         before
     }
 
-    /// Traces the samples of the round that belong to the moment of `pixels`.
-    pub fn trace(&mut self, pixels: &PixelTracer, seed: u32) -> Counts {
-        let samples: Range<u32> = self.drawn..self.next.unwrap_or(self.drawn);
-        let places: Vec<_> = self.places().collect();
-        let counts = pixels.add(&places, &SampleSet { samples, seed }, &mut self.all);
-        self.rays += counts.rays.total();
-        counts
+    /// The samples of each pixel that the current round takes; none if the block does not take part in it.
+    pub fn round(&self) -> Range<u32> {
+        self.drawn..self.next.unwrap_or(self.drawn)
+    }
+
+    /// The sums of all samples: for each pixel, those of its layers.
+    pub fn sums(&self) -> &[DVec3] {
+        &self.all
+    }
+
+    /// Takes new sums, which have cost it this number of rays.
+    pub fn take_sums(&mut self, sums: &[DVec3], rays: u64) {
+        self.all.copy_from_slice(sums);
+        self.rays += rays;
     }
 
     /// Ends a round in which it took part.

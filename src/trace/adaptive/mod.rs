@@ -10,6 +10,7 @@
 
 mod allocation;
 mod block;
+mod block_group;
 mod estimate;
 pub mod halves;
 mod layer_products;
@@ -23,6 +24,7 @@ use crate::scene::top_level::Bvh;
 use crate::scene::{Scene, Weights};
 use crate::sequence::quality::NoiseTarget;
 use block::Block;
+use block_group::BlockGroup;
 use estimate::ErrorEstimate;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -171,12 +173,13 @@ impl AdaptiveFrame {
         let scene = Scene { weights: &self.layers, ..*scene };
         let pixels = PixelTracer::sampled(&scene, bvh, settings, moment);
         let seed = self.seed;
-        let counts = self.blocks.par_iter_mut().filter(|block| block.is_open()).map(|block| {
-            if meter.is_stopped() && block.discard_round() {
+        let groups = BlockGroup::of_round(&mut self.blocks, moment.of);
+        let counts = groups.into_par_iter().map(|mut group| {
+            if meter.is_stopped() && group.discard_round() {
                 meter.unfinished.store(true, Relaxed);
                 return Counts::default();
             }
-            let counts = block.trace(&pixels, seed);
+            let counts = group.trace(&pixels, seed);
             meter.rays.fetch_add(counts.rays.total(), Relaxed);
             counts
         });
