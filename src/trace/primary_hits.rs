@@ -1,12 +1,16 @@
 //! What the middle of each pixel sees, to find the same points in other frames.
 
+use super::camera_rays::Placement;
+use super::pixels::PixelTracer;
+use super::settings::{Moment, TraceSettings};
+use super::wavefront::WAVE;
 use crate::base::math::{DAffine3, DMat3, DVec2, DVec3, inverse};
 use crate::camera::{Camera, Projection, pixels_of};
 use crate::film::denoise::Reprojection;
-use crate::geometry::bvh::TraversalRay;
-use crate::geometry::ray_kinds::RayKind;
+use crate::geometry::shape::ShapeHit;
+use crate::sampling::PixelSampler;
 use crate::scene::Scene;
-use crate::scene::top_level::Bvh;
+use crate::scene::top_level::{Bvh, NOTHING};
 use rayon::prelude::*;
 
 /// How far a surface may lie from the plane through a point of it, at the distance of a pixel, in widths of the pixel:
@@ -27,9 +31,10 @@ pub struct PrimaryHits {
 /// A hit in the world.
 #[derive(Clone, Copy, Debug)]
 struct PrimaryHit {
-    /// The distance in lengths of the ray's direction; infinite if nothing is hit.
-    t: f64,
+    /// Not finite if nothing is hit.
+    point: DVec3,
     normal: [f32; 3],
+    /// [`NOTHING`] if nothing is hit.
     primitive: u32,
 }
 
@@ -53,23 +58,34 @@ impl PrimaryHits {
     pub const BYTES_PER_PIXEL: u64 = size_of::<PrimaryHit>() as u64;
 
     /// The hits that camera rays find, through the centre of the lens.
-    pub fn find(scene: &Scene, bvh: &Bvh, size: (u32, u32)) -> Self {
-        let (width, height) = size;
-        let camera = *scene.camera;
-        let bvh = bvh.of(RayKind::Camera);
-        let hit = |pixel: usize| {
-            let ray = camera.pixel_ray(center(pixel, width), size);
-            match bvh.intersect_one(scene.geometry, &TraversalRay::new(ray)) {
-                None => PrimaryHit { t: f64::INFINITY, normal: [0.0; 3], primitive: u32::MAX },
-                Some(hit) => {
-                    let primitive = &scene.geometry.primitives[hit.primitive as usize];
-                    let normal = primitive.surface_at(&ray, hit.at).normal.as_vec3().to_array();
-                    PrimaryHit { t: hit.at.t, normal, primitive: hit.primitive }
+    pub fn find(scene: &Scene, bvh: &Bvh, settings: &TraceSettings) -> Self {
+        let (camera, size) = (Camera { lens: None, ..*scene.camera }, settings.size);
+        let scene = Scene { camera: &camera, ..*scene };
+        let tracer = PixelTracer::new(&scene, bvh, settings, Moment::ONLY);
+        let nothing = PrimaryHit { point: DVec3::NAN, normal: [0.0; 3], primitive: NOTHING };
+        let mut hits = vec![nothing; size.0 as usize * size.1 as usize];
+        hits.par_chunks_mut(WAVE).enumerate().for_each(|(wave, hits)| {
+            let mut scratch = tracer.take_scratch();
+            let (mut samples, places) = scratch.take_samples();
+            samples.clear();
+            let centers = (wave * WAVE..).take(hits.len()).map(|pixel| center(pixel, size.0));
+            // The way to the first hit takes no random numbers.
+            let sampler = PixelSampler::new((0, 0), 0).sample(0);
+            centers.clone().for_each(|center| samples.push_at(center, sampler));
+            let found = scratch.first_hits(&tracer.context, &samples, Placement::Given);
+            for (place, (hit, center)) in hits.iter_mut().zip(centers).enumerate() {
+                let (primitive, part) = (found.primitive[place], found.part[place]);
+                if primitive != NOTHING {
+                    let ray = camera.pixel_ray(center, size);
+                    let at = ShapeHit { t: found.t[place], part, coincident: false };
+                    let surface = scene.geometry.primitives[primitive as usize].surface_at(&ray, at);
+                    let normal = surface.normal.as_vec3().to_array();
+                    *hit = PrimaryHit { point: ray.at(at.t), normal, primitive };
                 }
             }
-        };
-        let pixels = width as usize * height as usize;
-        let hits = (0..pixels).into_par_iter().with_min_len(256).map(hit).collect();
+            scratch.give_back(samples, places);
+            tracer.give_back(scratch);
+        });
         let slots = 0..scene.geometry.primitives.len();
         let to_object = slots.map(|slot| *scene.geometry.origin(slot).to_object()).collect();
         Self { size, camera, hits, to_object }
@@ -81,11 +97,11 @@ impl PrimaryHits {
         let pixel_height = 2.0 / f64::from(self.size.1);
         let find = |pixel: usize| {
             let hit = &self.hits[pixel];
-            if hit.primitive == u32::MAX {
+            if hit.primitive == NOTHING {
                 let at = other.place_of_direction(self.direction(pixel))?;
                 return Some((at, Seen::Background));
             }
-            let (mut point, mut normal) = (self.point(pixel), DVec3::from_array(hit.normal.map(f64::from)));
+            let (mut point, mut normal) = (hit.point, DVec3::from_array(hit.normal.map(f64::from)));
             if let Motion::Moved { to, normals } = motions.get(hit.primitive as usize)? {
                 point = to.transform_point3(point);
                 normal = (*normals * normal).try_normalize()?;
@@ -98,9 +114,9 @@ impl PrimaryHits {
         let sees = |pixel: usize, seen: &Seen| {
             let hit = &other.hits[pixel];
             match seen {
-                Seen::Background => hit.primitive == u32::MAX,
+                Seen::Background => hit.primitive == NOTHING,
                 Seen::Surface(surface) if hit.primitive == surface.primitive => {
-                    let away = (other.point(pixel) - surface.point).dot(surface.normal);
+                    let away = (hit.point - surface.point).dot(surface.normal);
                     away.abs() <= surface.within
                 }
                 Seen::Surface(_) => false,
@@ -125,11 +141,6 @@ impl PrimaryHits {
             }
         };
         both.map(motion).collect()
-    }
-
-    /// What a pixel hits.
-    fn point(&self, pixel: usize) -> DVec3 {
-        self.camera.pixel_ray(center(pixel, self.size.0), self.size).at(self.hits[pixel].t)
     }
 
     /// The direction in which a pixel looks.
@@ -180,6 +191,7 @@ mod tests {
     use crate::base::math::{Angle, axis_angle, gamma, look_at};
     use crate::geometry::shape::{Cuboid, Plane, Shape, Sphere};
     use crate::scene::{Finish, Geometry, Shading, Weights};
+    use crate::sequence::quality::Quality;
 
     const SIZE: (u32, u32) = (48, 32);
 
@@ -199,7 +211,7 @@ mod tests {
         let camera = Camera { position: eye, basis, projection, lens: None };
         let (shading, weights) = (Shading::default(), Weights(Vec::new()));
         let scene = Scene { geometry: &geometry, shading: &shading, weights: &weights, camera: &camera };
-        PrimaryHits::find(&scene, &Bvh::build(&geometry), SIZE)
+        PrimaryHits::find(&scene, &Bvh::build(&geometry), &TraceSettings::new(SIZE, Quality::default()))
     }
 
     /// The number of pixels whose points the other frame sees.
@@ -216,7 +228,7 @@ mod tests {
         let own = hits(EYE, 20.0);
         let all = (SIZE.0 * SIZE.1) as usize;
         assert_eq!(seen(&own, &hits(EYE, 20.0)), all);
-        assert!(own.hits.iter().any(|hit| hit.primitive == u32::MAX));
+        assert!(own.hits.iter().any(|hit| hit.primitive == NOTHING));
     }
 
     /// Points of a box that turns are found on its turned sides, and only there.
@@ -243,13 +255,14 @@ mod tests {
         let (own, behind) = (hits(EYE, 0.0), hits(DVec3::new(0.0, 2.0, -9.0), 0.0));
         let found = own.seen_by(&behind);
         // The point of the ball that is nearest to the eye.
-        let near = |pixel: &usize| (own.point(*pixel) - EYE).length();
+        let near = |pixel: &usize| (own.hits[*pixel].point - EYE).length();
         let ball = (0..own.hits.len()).filter(|pixel| own.hits[*pixel].primitive == 1);
         let pixel = ball.min_by(|a, b| near(a).total_cmp(&near(b))).expect("the ball is seen");
         assert!(!found.sees([pixel % SIZE.0 as usize, pixel / SIZE.0 as usize]));
         let floor = own.hits.iter().rposition(|hit| hit.primitive == 0).expect("the floor is seen");
         // A product and a sum along a ray that is a few times as long as the eye is far away.
-        assert!(own.point(floor).y.abs() <= gamma(32) * own.hits[floor].t);
+        let point = own.hits[floor].point;
+        assert!(point.y.abs() <= gamma(32) * (point - EYE).length());
     }
 
     /// Positions in pixels are those through which rays are sent.

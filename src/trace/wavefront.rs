@@ -130,6 +130,23 @@ impl ScratchBuffer {
         }
     }
 
+    /// The first hits of samples, at most [`WAVE`], in their order. Nothing is shaded.
+    pub fn first_hits(
+        &mut self,
+        context: &TraceContext,
+        samples: &PixelSamples,
+        placement: Placement,
+    ) -> &HitStream {
+        self.events.clear();
+        self.media.trim();
+        let mut paths = self.stream(context);
+        let counts = &mut self.counts;
+        dispatch(GenerateRays { context, samples, placement, paths: &mut paths, counts });
+        self.hits.find(context, &paths, Coherence::Coherent, (&mut self.events, &self.media));
+        self.free.push(paths);
+        &self.hits
+    }
+
     fn stream(&mut self, context: &TraceContext) -> PathStream {
         self.free.pop().unwrap_or_else(|| PathStream::new(context.columns))
     }

@@ -51,12 +51,14 @@ impl<'a> Candidates<'a> {
     /// The fits have the guides of the other half. With their own, fits would follow what random numbers have in common
     /// in guides and light: in glass, samples that are reflected and samples that are not see other surfaces.
     pub fn new(halves: &'a Halves) -> Self {
-        let [first, second] = &halves.films;
-        let guides: [Guides; 2] = rayon::join(|| Guides::new(first), || Guides::new(second)).into();
+        let size = halves.dimmed[0].size();
+        let [first, second] = &halves.guides;
+        let guides: [Guides; 2] =
+            rayon::join(|| Guides::new(size, first), || Guides::new(size, second)).into();
         let [a, b] = &halves.dimmed;
         let fits = rayon::join(|| fit(&guides[1], &guides[1], a), || fit(&guides[0], &guides[0], b)).into();
         let samples = halves.films.each_ref().map(|film| Planes::of_film(film, 0..film.held.len()));
-        let floors = (0..first.held.len()).map(|layer| floor(halves, layer)).collect();
+        let floors = (0..halves.film().held.len()).map(|layer| floor(halves, layer)).collect();
         Self { halves, samples, guides, fits, floors }
     }
 

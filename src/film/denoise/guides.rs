@@ -2,7 +2,7 @@
 
 use super::super::Film;
 use super::columns::Columns;
-use super::planes::{COLUMN, Planes, read_line};
+use super::planes::COLUMN;
 use crate::base::lanes::{Real, Row, Single};
 use crate::film::aov::GUIDES;
 use rayon::prelude::*;
@@ -13,8 +13,11 @@ pub const COUNT: usize = POSITION + 2;
 /// The guides of the last two entries, which are positions in pixels.
 pub const POSITION: usize = 7;
 
-/// The places of the guides before positions among the channels of the film's guides, which begin with closeness.
-const CHANNELS: [usize; POSITION] = [6, 7, 8, 3, 4, 5, 0];
+/// The last guide before positions.
+const CLOSENESS: usize = POSITION - 1;
+
+/// The guides of a pixel without positions, and a zero that fills lanes. Closeness has no unit yet.
+pub type PixelGuides = [f32; 8];
 
 /// The number of features of a pixel: 1, and its guides. A linear function of the guides with a constant is a linear
 /// form of the features.
@@ -36,39 +39,40 @@ impl Guides {
     /// Positions are the same in all rows.
     pub const BYTES_PER_PIXEL: u64 = size_of::<[f32; POSITION]>() as u64;
 
-    /// The guides of a film. Closeness is 1 over the distance, which is linear in the position on planes, relative to
-    /// its mean over the picture.
-    pub fn new(film: &Film) -> Self {
-        let unit = unit_of_closeness(film, film.layers() - GUIDES);
-        Self::of_rows((film.width, film.height), unit, |y, row| read_guides(film, y, row))
+    /// Those of a picture of this size. Closeness is 1 over the distance, which is linear in the position on planes,
+    /// relative to its mean over the picture.
+    pub fn new((width, height): (usize, usize), pixels: &[PixelGuides]) -> Self {
+        Self::of_pixels((width, height), unit_of_closeness(pixels), |[x, y]| pixels[y * width + x])
     }
 
-    /// Guides whose closeness has the unit of these, from planes as [`guide_planes`] gives them.
-    pub fn with_planes(&self, planes: &Planes) -> Self {
-        let size = (planes.width as u32, planes.height as u32);
-        Self::of_rows(size, self.unit, |y, row| {
-            for (guide, row) in row.chunks_exact_mut(planes.stride).enumerate() {
-                row.copy_from_slice(planes.row(guide, y));
-            }
-        })
+    /// Others of a picture of the same size, whose closeness has the same unit.
+    pub fn with(&self, width: usize, read: impl Fn([usize; 2]) -> PixelGuides + Sync) -> Self {
+        Self::of_pixels((width, self.height), self.unit, read)
     }
 
-    /// `read` writes the guides of a row without positions, each padded to whole columns.
-    fn of_rows((width, height): (u32, u32), unit: f32, read: impl Fn(usize, &mut [f32]) + Sync) -> Self {
-        let (width, height) = (width as usize, height as usize);
+    fn of_pixels(
+        (width, height): (usize, usize),
+        unit: f32,
+        read: impl Fn([usize; 2]) -> PixelGuides + Sync,
+    ) -> Self {
         let columns = Columns::new(width);
         let mut values = vec![0.0; height * POSITION * columns.of_row()];
         let rows = values.par_chunks_exact_mut(POSITION * columns.of_row()).enumerate();
-        rows.for_each(|(y, values)| {
-            let mut row = vec![0.0; POSITION * columns.pixels()];
-            read(y, &mut row);
-            let guides = row.chunks_exact(columns.pixels());
-            for (guide, values) in guides.zip(values.chunks_exact_mut(columns.of_row())) {
-                columns.spread(guide, values);
-            }
-            let closeness = &mut values[(POSITION - 1) * columns.of_row()..];
-            closeness.iter_mut().for_each(|near| *near = finite(*near * unit));
-        });
+        rows.for_each_init(
+            || vec![0.0; POSITION * columns.pixels()],
+            |row, (y, values)| {
+                for x in 0..width {
+                    let mut guides = read([x, y]);
+                    guides[CLOSENESS] = finite(guides[CLOSENESS] * unit);
+                    let into = row[x..].iter_mut().step_by(columns.pixels());
+                    into.zip(guides).for_each(|(into, guide)| *into = guide);
+                }
+                let guides = row.chunks_exact(columns.pixels());
+                for (guide, values) in guides.zip(values.chunks_exact_mut(columns.of_row())) {
+                    columns.spread(guide, values);
+                }
+            },
+        );
         let mut row = vec![0.0; 2 * columns.of_row()];
         let (inside, along) = row.split_at_mut(columns.of_row());
         let places = |number: fn(usize) -> f32| {
@@ -101,27 +105,21 @@ impl Guides {
     }
 }
 
-/// The guides of a film without positions, a plane each. Closeness has no unit yet.
-pub fn guide_planes(film: &Film) -> Planes {
-    let mut planes = Planes::new((film.width as usize, film.height as usize), POSITION);
-    planes.par_lines_mut().enumerate().for_each(|(y, row)| read_guides(film, y, row));
-    planes
-}
-
-/// Reads the guides of a row without positions, each padded to whole columns.
-fn read_guides(film: &Film, y: usize, into: &mut [f32]) {
-    let (first, stride) = (film.layers() - GUIDES, into.len() / POSITION);
-    let mut line = vec![0.0; 3 * GUIDES * stride];
-    read_line(film, first..first + GUIDES, y, &mut line);
-    for (channel, into) in CHANNELS.into_iter().zip(into.chunks_exact_mut(stride)) {
-        let guides = &line[channel * stride..][..stride];
-        into.iter_mut().zip(guides).for_each(|(into, guide)| *into = finite(*guide));
-    }
+/// The guides of the pixels of a film, row by row.
+pub fn guides_of(film: &Film) -> Vec<PixelGuides> {
+    let first = film.layers() - GUIDES;
+    let pixels = film.data.par_chunks_exact(film.layers()).with_min_len(1 << 10);
+    let guides = pixels.map(|layers| {
+        let [closeness, normal, albedo] = [0, 1, 2].map(|layer| layers[first + layer]);
+        let guides = [albedo.x, albedo.y, albedo.z, normal.x, normal.y, normal.z, closeness.x, 0.0];
+        guides.map(finite)
+    });
+    guides.collect()
 }
 
 /// By what closeness is multiplied to have the mean 1 where something is seen.
-fn unit_of_closeness(film: &Film, layer: usize) -> f32 {
-    let all = film.data.chunks_exact(film.layers()).map(|pixel| f64::from(finite(pixel[layer].x)));
+fn unit_of_closeness(pixels: &[PixelGuides]) -> f32 {
+    let all = pixels.iter().map(|guides| f64::from(guides[CLOSENESS]));
     let (count, sum) =
         all.filter(|near| *near > 0.0).fold((0.0, 0.0), |(count, sum), near| (count + 1.0, sum + near));
     if sum > 0.0 { (count / sum) as f32 } else { 0.0 }

@@ -1,14 +1,18 @@
 //! The samples of a picture.
 
 use super::super::{Film, LayerId};
+use super::guides::{PixelGuides, guides_of};
 use super::outliers::dimmed;
 use super::planes::Planes;
 use crate::base::color::Rgb;
 
-/// The samples of a picture as two films with guides, half of the samples each, and their light without outliers.
+/// The samples of a picture as two films with guides, half of the samples each.
 pub struct Halves {
     pub(super) films: [Film; 2],
+    /// Their light without outliers.
     pub(super) dimmed: [Planes; 2],
+    /// Their guides once more, so that those of a pixel are read at once.
+    pub(super) guides: [Vec<PixelGuides>; 2],
 }
 
 impl Halves {
@@ -17,12 +21,13 @@ impl Halves {
         let light = |film: &Film| dimmed(&Planes::of_film(film, 0..film.held.len()));
         let [first, second] = &films;
         let dimmed = rayon::join(|| light(first), || light(second)).into();
-        Self { films, dimmed }
+        let guides = films.each_ref().map(guides_of);
+        Self { films, dimmed, guides }
     }
 
     /// Bytes per pixel of what is kept besides the films.
     pub(super) const fn bytes_of_pixel(layers: u64) -> u64 {
-        2 * layers * size_of::<Rgb>() as u64
+        2 * (layers * size_of::<Rgb>() as u64 + size_of::<PixelGuides>() as u64)
     }
 
     /// The size and the layers of the films.

@@ -48,15 +48,6 @@ impl Planes {
         planes
     }
 
-    /// Adds the numbers of planes like these.
-    pub fn add(&mut self, other: &Self) {
-        self.data
-            .par_iter_mut()
-            .zip(&other.data)
-            .with_min_len(1 << 12)
-            .for_each(|(own, other)| *own += other);
-    }
-
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
     }

@@ -41,7 +41,7 @@ impl Films {
             Reprojection::new(SIZE, place, |_, ()| true)
         };
         let neighbors: Vec<Neighbor> =
-            others.iter().map(|(halves, by)| Neighbor::new(halves, shifted(*by))).collect();
+            others.iter().map(|(halves, by)| Neighbor { halves, reprojection: shifted(*by) }).collect();
         let [_, _, a, b] = &self.0;
         let films = SampleFilms { halves: &self.halves(), neighbors: &neighbors, audits: [a, b] };
         denoise(&films, SAMPLES)

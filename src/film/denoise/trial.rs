@@ -25,7 +25,8 @@ pub fn trial(layers: usize, neighbors: usize) -> usize {
     };
     let [first, second, a, b] = [0, 1, 2, 3].map(film);
     let halves = Halves::new([first, second]);
-    let neighbors: Vec<Neighbor> = (0..neighbors).map(|_| Neighbor::new(&halves, shifted())).collect();
+    let neighbors: Vec<Neighbor> =
+        (0..neighbors).map(|_| Neighbor { halves: &halves, reprojection: shifted() }).collect();
     let film = denoise(&SampleFilms { halves: &halves, neighbors: &neighbors, audits: [&a, &b] }, 1.0);
     std::hint::black_box(&film);
     (SIZE.0 * SIZE.1) as usize

@@ -51,8 +51,9 @@ impl<S: FilmSink> FrameLoop<S> {
             if self.quality.vary_noise { found } else { found.without_still() }
         };
         let film = tracing::debug_span!("denoise").in_scope(|| {
+            let found = others.iter().map(|other| (&other.halves, found_in(other)));
             let neighbors: Vec<Neighbor> =
-                others.iter().map(|other| Neighbor::new(&other.halves, found_in(other))).collect();
+                found.map(|(halves, reprojection)| Neighbor { halves, reprojection }).collect();
             let films = SampleFilms { halves: &own.halves, neighbors: &neighbors, audits: [&a, &b] };
             denoise(&films, f64::from(self.quality.traced_samples(self.quality.samples)))
         });

@@ -304,7 +304,7 @@ pub fn trace_frame(
         sets = Some(SampleSets::new(request.films.unwrap_or(FilmSet::All), &settings.quality));
     }
     if request.films == Some(FilmSet::Halves) && current.0.index == current.0.of / 2 {
-        in_progress.hits.get_or_insert_with(|| PrimaryHits::find(&scene, &bvh.0, settings.size));
+        in_progress.hits.get_or_insert_with(|| PrimaryHits::find(&scene, &bvh.0, settings));
     }
     let of_set = sets.as_ref().map(|sets| sets.settings(settings));
     sets.iter().for_each(|sets| sets.show(&progress.0, request.parts));

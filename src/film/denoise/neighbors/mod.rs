@@ -12,27 +12,18 @@ mod reprojection;
 pub use pool::Pooled;
 pub use reprojection::Reprojection;
 
-use super::guides::{Guides, POSITION, guide_planes};
 use super::halves::Halves;
-use super::planes::Planes;
 
-/// The samples of a neighbour in time.
+/// The samples of a neighbour in time, and where they show what the pixels of the picture show.
+#[warn(missing_docs)]
 pub struct Neighbor<'a> {
-    halves: &'a Halves,
-    reprojection: Reprojection,
-    /// The guides of both halves at the points of the picture.
-    guides: [Planes; 2],
+    /// Of the size of the picture.
+    pub halves: &'a Halves,
+    /// From the pixels of the picture to those of the neighbour.
+    pub reprojection: Reprojection,
 }
 
-#[warn(missing_docs)]
-impl<'a> Neighbor<'a> {
+impl Neighbor<'_> {
     /// Bytes per pixel of what it holds besides its samples.
-    pub(super) const BYTES_PER_PIXEL: u64 = Reprojection::BYTES_PER_PIXEL + 2 * Guides::BYTES_PER_PIXEL;
-
-    /// A neighbour with these samples, and where they show what the pixels of the picture show. Both have the same size.
-    pub fn new(halves: &'a Halves, reprojection: Reprojection) -> Self {
-        let guides =
-            halves.films.each_ref().map(|film| pool::moved(&guide_planes(film), 0..POSITION, &reprojection));
-        Self { halves, reprojection, guides }
-    }
+    pub(super) const BYTES_PER_PIXEL: u64 = Reprojection::BYTES_PER_PIXEL;
 }

@@ -1,14 +1,13 @@
 //! The samples of a picture together with those of its neighbours.
 
-use super::super::guides::{Guides, guide_planes};
+use super::super::guides::{Guides, PixelGuides};
 use super::super::halves::Halves;
 use super::super::planes::Planes;
 use super::Neighbor;
-use super::agreement::weights;
-use super::reprojection::Reprojection;
+use super::agreement::Agreement;
+use super::reprojection::{Reprojection, Taps};
 use crate::film::LayerId;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// The samples of a layer of light of both halves, pooled with those of neighbours: weighted means.
 pub struct Pooled {
@@ -23,45 +22,10 @@ pub struct Pooled {
     pub still: Planes,
 }
 
-/// Weighted sums, and their weights.
-struct Sum {
-    values: Planes,
+/// What the samples of a neighbour weigh at each pixel, relative to that of the picture's own samples: a plane.
+struct Weighted<'a> {
+    neighbor: &'a Neighbor<'a>,
     weights: Planes,
-}
-
-impl Sum {
-    fn new(values: Planes) -> Self {
-        let mut weights = Planes::new(values.size(), 1);
-        weights.par_lines_mut().for_each(|line| line.fill(1.0));
-        Self { values, weights }
-    }
-
-    /// Adds values, by weights.
-    fn add(&mut self, values: &Planes, weights: &Planes) {
-        let stride = weights.stride;
-        self.values.par_lines_mut().zip(self.weights.par_lines_mut()).enumerate().for_each(
-            |(y, (line, sums))| {
-                let weights = weights.row(0, y);
-                for (plane, sums) in line.chunks_exact_mut(stride).enumerate() {
-                    for ((sum, value), weight) in sums.iter_mut().zip(values.row(plane, y)).zip(weights) {
-                        // Without weight, light may be infinite.
-                        *sum += if *weight > 0.0 { value * weight } else { 0.0 };
-                    }
-                }
-                sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight);
-            },
-        );
-    }
-
-    fn mean(mut self) -> Planes {
-        let (stride, weights) = (self.weights.stride, self.weights);
-        self.values.par_lines_mut().enumerate().for_each(|(y, line)| {
-            for sums in line.chunks_exact_mut(stride) {
-                sums.iter_mut().zip(weights.row(0, y)).for_each(|(sum, weight)| *sum /= weight);
-            }
-        });
-        self.values
-    }
 }
 
 impl Pooled {
@@ -73,74 +37,115 @@ impl Pooled {
         neighbors: &[Neighbor],
         (layer, place, floor): (LayerId, usize, f32),
     ) -> Self {
-        let light = halves.dimmed.each_ref();
-        let mut light_sums = light.map(|light| Sum::new(light.layer(place)));
-        let mut guide_sums = sums_of_guides(halves);
-        let mut shown_sums = None;
-        let mut still = Planes::new(light[0].size(), 1);
-        for Neighbor { halves: theirs, reprojection: by, guides } in neighbors {
+        let dimmed = halves.dimmed.each_ref();
+        let mut light = dimmed.map(|light| light.layer(place));
+        // One neighbour after the other is seen in the same memory.
+        let size = dimmed[0].size();
+        let mut seen = [(); 2].map(|()| Planes::new(size, 3));
+        let mut agreement = Agreement::new(size);
+        let mut all = Vec::with_capacity(neighbors.len());
+        for neighbor in neighbors {
+            let Neighbor { halves: theirs, reprojection: by } = neighbor;
             let Some(their_place) = theirs.place_of(layer) else { continue };
-            let found =
-                theirs.dimmed.each_ref().map(|light| moved(light, 3 * their_place..3 * their_place + 3, by));
-            let weights = weights((light, 3 * place), found.each_ref(), by, floor);
-            light_sums.iter_mut().zip(&found).for_each(|(sum, found)| sum.add(found, &weights));
-            if by.is_partly_still {
-                let weights = of_still(&weights, by);
-                let shown = shown_sums.get_or_insert_with(|| sums_of_guides(halves));
-                shown.iter_mut().zip(guides).for_each(|(sum, guides)| sum.add(guides, &weights));
-                still.add(&weights);
-            }
-            guide_sums.iter_mut().zip(guides).for_each(|(sum, guides)| sum.add(guides, &weights));
+            theirs.dimmed.iter().zip(&mut seen).for_each(|(from, into)| see(from, their_place, by, into));
+            let weights = agreement.weights((dimmed, place), seen.each_ref(), by, floor);
+            light.iter_mut().zip(&seen).for_each(|(sums, seen)| add(sums, seen, &weights));
+            all.push(Weighted { neighbor, weights });
         }
-        let [first, second] = own;
-        let with_unit = |sums: [Sum; 2]| {
-            let [a, b] = sums.map(Sum::mean);
-            [first.with_planes(&a), second.with_planes(&b)]
+        light.iter_mut().for_each(|light| divide(light, &all));
+        let pooled = |when: fn(&Taps) -> bool| {
+            [0, 1].map(|half| {
+                own[half].with(size.0, |[x, y]| {
+                    let guides = halves.guides[half][y * size.0 + x];
+                    pooled_guides((guides, half), &all, [x, y], when)
+                })
+            })
         };
-        Self {
-            light: light_sums.map(Sum::mean),
-            guides: with_unit(guide_sums),
-            shown: shown_sums.map(with_unit),
-            still,
-        }
+        let is_still = all.iter().any(|one| one.neighbor.reprojection.is_partly_still);
+        let shown = is_still.then(|| pooled(|taps| taps.is_still));
+        Self { light, guides: pooled(|_| true), shown, still: still(&all, size) }
     }
 }
 
-/// The guides of a picture, to which others are added.
-fn sums_of_guides(halves: &Halves) -> [Sum; 2] {
-    halves.films.each_ref().map(|film| Sum::new(guide_planes(film)))
-}
-
-/// Planes of a neighbour at the points of the pixels; zero where it does not see them.
-pub(super) fn moved(from: &Planes, planes: Range<usize>, by: &Reprojection) -> Planes {
-    let mut into = Planes::new(from.size(), planes.len());
+/// Writes a layer of a neighbour's light at the points of the pixels; zero where it does not see them.
+fn see(from: &Planes, layer: usize, by: &Reprojection, into: &mut Planes) {
     let stride = into.stride;
     into.par_lines_mut().enumerate().for_each(|(y, line)| {
-        for (x, taps) in by.row(y).iter().enumerate().filter(|(_, taps)| taps.is_seen()) {
-            // Pixels without weight may hold any light, also an infinite one, and may be beyond the edge.
-            let (mut pixels, mut count) = ([(0, 0.0); 4], 0);
-            for (tap, weight) in taps.weights.into_iter().enumerate().filter(|(_, weight)| *weight > 0.0) {
-                let place = [taps.row as usize + tap / 2, taps.column as usize + tap % 2];
-                pixels[count] = (from.offset(place), weight);
-                count += 1;
-            }
-            for (plane, into) in planes.clone().zip(line[x..].iter_mut().step_by(stride)) {
-                for (offset, weight) in &pixels[..count] {
-                    *into += from.at_offset(plane, *offset) * weight;
+        for (x, taps) in by.row(y).iter().enumerate() {
+            let mut light = [0.0; 3];
+            for (place, weight) in taps.pixels() {
+                let offset = from.offset(place);
+                for (channel, light) in (3 * layer..).zip(&mut light) {
+                    *light += from.at_offset(channel, offset) * weight;
                 }
             }
+            line[x..].iter_mut().step_by(stride).zip(light).for_each(|(into, light)| *into = light);
         }
     });
-    into
 }
 
-/// Weights at points that the same pixel sees, and 0 elsewhere.
-fn of_still(weights: &Planes, by: &Reprojection) -> Planes {
-    let mut still = Planes::new(weights.size(), 1);
-    still.par_lines_mut().enumerate().for_each(|(y, line)| {
-        for ((into, weight), taps) in line.iter_mut().zip(weights.row(0, y)).zip(by.row(y)) {
-            *into = if taps.is_still { *weight } else { 0.0 };
+/// Adds light, by weights.
+fn add(sums: &mut Planes, light: &Planes, weights: &Planes) {
+    let stride = weights.stride;
+    sums.par_lines_mut().enumerate().for_each(|(y, line)| {
+        for (channel, sums) in line.chunks_exact_mut(stride).enumerate() {
+            for ((sum, light), weight) in sums.iter_mut().zip(light.row(channel, y)).zip(weights.row(0, y)) {
+                // Without weight, light may be infinite.
+                *sum += if *weight > 0.0 { light * weight } else { 0.0 };
+            }
         }
     });
+}
+
+/// Divides sums by the sum of all weights.
+fn divide(sums: &mut Planes, all: &[Weighted]) {
+    let stride = sums.stride;
+    sums.par_lines_mut().enumerate().for_each(|(y, line)| {
+        let mut total = vec![1.0; stride];
+        for Weighted { weights, .. } in all {
+            total.iter_mut().zip(weights.row(0, y)).for_each(|(sum, weight)| *sum += weight);
+        }
+        for sums in line.chunks_exact_mut(stride) {
+            sums.iter_mut().zip(&total).for_each(|(sum, total)| *sum /= total);
+        }
+    });
+}
+
+/// The guides of a pixel of one of the halves, pooled with those of neighbours whose taps are chosen by `when`.
+#[inline(always)]
+fn pooled_guides(
+    (guides, half): (PixelGuides, usize),
+    all: &[Weighted],
+    [x, y]: [usize; 2],
+    when: fn(&Taps) -> bool,
+) -> PixelGuides {
+    let (mut sums, mut total) = (guides, 1.0);
+    for Weighted { neighbor: Neighbor { halves, reprojection }, weights } in all {
+        let (weight, taps) = (weights.row(0, y)[x], &reprojection.row(y)[x]);
+        if weight > 0.0 && when(taps) {
+            let mut guides = PixelGuides::default();
+            for ([row, column], share) in taps.pixels() {
+                let found = &halves.guides[half][row * weights.width + column];
+                guides.iter_mut().zip(found).for_each(|(guide, found)| *guide += found * share);
+            }
+            sums.iter_mut().zip(guides).for_each(|(sum, guide)| *sum += guide * weight);
+            total += weight;
+        }
+    }
+    sums.map(|sum| sum / total)
+}
+
+/// What neighbours weigh at points that the same pixel sees.
+fn still(all: &[Weighted], size: (usize, usize)) -> Planes {
+    let mut still = Planes::new(size, 1);
+    let partly = all.iter().filter(|one| one.neighbor.reprojection.is_partly_still);
+    for Weighted { neighbor, weights } in partly {
+        still.par_lines_mut().enumerate().for_each(|(y, line)| {
+            let pixels = weights.row(0, y).iter().zip(neighbor.reprojection.row(y));
+            for (sum, (weight, taps)) in line.iter_mut().zip(pixels) {
+                *sum += if taps.is_still { *weight } else { 0.0 };
+            }
+        });
+    }
     still
 }

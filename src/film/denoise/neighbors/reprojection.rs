@@ -34,6 +34,18 @@ impl Taps {
     pub fn is_seen(&self) -> bool {
         self.weights != [0.0; 4]
     }
+
+    /// The row, the column and the weight of the pixels that count. Others may hold any light, also an infinite one, and
+    /// may be beyond the edge.
+    #[inline]
+    pub fn pixels(&self) -> impl Iterator<Item = ([usize; 2], f32)> {
+        let place = |tap: usize| [self.row as usize + tap / 2, self.column as usize + tap % 2];
+        self.weights
+            .into_iter()
+            .enumerate()
+            .filter(|(_, weight)| *weight > 0.0)
+            .map(move |(tap, weight)| (place(tap), weight))
+    }
 }
 
 #[warn(missing_docs)]
@@ -109,9 +121,10 @@ fn between(at: f64, count: u32) -> Option<(u32, f64)> {
     }
     // Half a pixel at each edge is nearest to the pixel there.
     let center = (at - 0.5).clamp(0.0, f64::from(count - 1));
-    let nearest = center.round();
+    let nearest = f64::from((center + 0.5) as u32);
     let center = if (center - nearest).abs() < CENTERED { nearest } else { center };
-    Some((center.floor() as u32, center - center.floor()))
+    let before = center as u32;
+    Some((before, center - f64::from(before)))
 }
 
 #[cfg(test)]

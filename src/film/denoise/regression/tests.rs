@@ -1,4 +1,4 @@
-use super::super::guides::{COUNT, POSITION};
+use super::super::guides::{COUNT, POSITION, guides_of};
 use super::*;
 use crate::base::color::Rgb;
 use crate::film::{AovSet, Film};
@@ -58,7 +58,8 @@ fn fits_are_least_squares_in_each_window() {
     for size in [(37, 21), (16, 70), (1, 3), (128, 5), (150, 40)] {
         let film = noise(size);
         let (width, height) = (size.0 as usize, size.1 as usize);
-        let (guides, light) = (Guides::new(&film), Planes::of_film(&film, 0..2));
+        let light = Planes::of_film(&film, 0..2);
+        let guides = Guides::new(light.size(), &guides_of(&film));
         let mut range = [(); 2].map(|()| Planes::new((width, height), light.count));
         bounds(&light, 0..height, &mut range);
         let [least, most] = range;
