@@ -7,12 +7,12 @@ use super::adaptive::halves::SampleHalves;
 use super::pixels::{PixelTracer, SampleSet};
 use super::settings::{Moment, TraceSettings};
 use crate::base::color::Rgb;
-use crate::base::math::DVec3;
+use crate::base::math::{DVec3, max};
 use crate::base::stats::Counts;
 use crate::scene::Scene;
 use crate::scene::top_level::Bvh;
 use rayon::prelude::*;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// The side of a block in pixels.
@@ -26,6 +26,8 @@ pub struct PilotBlocks {
 }
 
 struct PilotBlock {
+    /// The column and row of the block.
+    cell: (u32, u32),
     places: Vec<(u32, u32)>,
     /// The layers of each pixel: the sums of all samples, and of the samples before the last pass.
     all: Vec<DVec3>,
@@ -43,6 +45,8 @@ pub struct BlockError {
     /// which bounds the variance of the estimate.
     pub square: f64,
     pub variance: f64,
+    /// The part of the pixel with the largest error in the mean squared error.
+    pub largest: f64,
     /// Rays per sample of a pixel.
     pub rays: f64,
 }
@@ -60,7 +64,7 @@ impl PilotBlocks {
             let places: Vec<_> =
                 (top..height.min(top + SIDE)).flat_map(|y| xs.clone().map(move |x| (x, y))).collect();
             let sums = vec![DVec3::ZERO; places.len() * layers];
-            PilotBlock { places, first: sums.clone(), all: sums, rays: 0 }
+            PilotBlock { cell: (column, row), places, first: sums.clone(), all: sums, rays: 0 }
         };
         Self { seed, layers, blocks: spread(columns, rows, count).into_iter().map(block).collect() }
     }
@@ -68,6 +72,25 @@ impl PilotBlocks {
     /// The number of blocks of a frame of this size.
     pub fn blocks_of((width, height): (u32, u32)) -> usize {
         width.div_ceil(SIDE) as usize * height.div_ceil(SIDE) as usize
+    }
+
+    /// For each block, itself and those that are next to it, as far as they are among these blocks.
+    pub fn neighbourhoods(&self) -> Vec<Vec<usize>> {
+        let places: HashMap<(u32, u32), usize> =
+            self.blocks.iter().enumerate().map(|(place, block)| (block.cell, place)).collect();
+        let around = |block: &PilotBlock| {
+            let (column, row) = block.cell;
+            let near = |at: u32| at.saturating_sub(1)..=at + 1;
+            let cells = near(row).flat_map(|row| near(column).map(move |column| (column, row)));
+            cells.filter_map(|cell| places.get(&cell).copied()).collect()
+        };
+        self.blocks.iter().map(around).collect()
+    }
+
+    /// Keeps these blocks only.
+    pub fn keep(&mut self, places: &[usize]) {
+        let mut place = 0..;
+        self.blocks.retain(|_| place.next().is_some_and(|place| places.contains(&place)));
     }
 
     /// The number of pixels of all its blocks.
@@ -129,6 +152,7 @@ impl PilotBlock {
             if factor > 0.0 {
                 let square = factor * halves.difference(first, all).length_squared();
                 found.square += square / pixels;
+                found.largest = max(found.largest, square / pixels);
                 found.variance += square * square / (pixels * pixels);
             }
         }
@@ -175,6 +199,16 @@ mod tests {
         let pilot = PilotBlocks::new((20, 9), usize::MAX, 1, 0);
         assert_eq!((pilot.blocks.len(), pilot.pixels()), (6, 180));
         assert_eq!(PilotBlocks::blocks_of((20, 9)), 6);
+    }
+
+    #[test]
+    fn neighbours_are_those_that_were_chosen() {
+        let mut pilot = PilotBlocks::new((24, 16), usize::MAX, 1, 0);
+        assert_eq!(pilot.neighbourhoods()[0], [0, 1, 3, 4]);
+        assert_eq!(pilot.neighbourhoods()[4], [0, 1, 2, 3, 4, 5]);
+        pilot.keep(&[5, 0, 1]);
+        assert_eq!(pilot.blocks.iter().map(|block| block.cell).collect::<Vec<_>>(), [(0, 0), (1, 0), (2, 1)]);
+        assert_eq!(pilot.neighbourhoods(), [vec![0, 1], vec![0, 1, 2], vec![1, 2]]);
     }
 
     /// One pixel whose halves are 1 and 3 in all colours. Independent samples would have a squared error of 1.

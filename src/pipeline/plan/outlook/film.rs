@@ -42,13 +42,24 @@ pub struct FilmNoise {
 /// Noise of one probed block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockNoise {
-    /// Contribution to the film's squared error for independent samples, divided by the squared mean: from the last
-    /// pass, and from the passes before it.
-    pub squares: [f64; 2],
+    /// Contribution to the film's squared error for independent samples, divided by the squared mean.
+    pub squares: PassEstimates,
+    /// The same mixed with those of the blocks around it.
+    pub around: PassEstimates,
+    /// The variance by which the sampler allocates samples, up to a common factor: that of the worst frame, and of all.
+    pub allocated: PassEstimates,
     /// Share of the pixels.
     pub share: f64,
     /// Cost of a sample relative to the mean.
     pub cost: f64,
+}
+
+/// What the last pass shows of a block, and what the passes before it show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassEstimates {
+    pub all: [f64; 2],
+    /// Without outliers: single pixels that may hold most of the error of a film.
+    pub regular: [f64; 2],
 }
 
 /// Forecast for one film.
@@ -193,9 +204,14 @@ fn audits(quality: &Quality, picture: u32) -> f64 {
 }
 
 impl FilmNoise {
+    /// No blocks have been measured.
+    pub(super) const fn none() -> Self {
+        Self { samples: 1.0, blocks: Vec::new(), power: 1.0, spread: 0.0, whole_spread: 0.0 }
+    }
+
     /// Squared error if every pixel has this number of samples.
     fn even(&self, samples: f64, uncertainty: Uncertainty) -> f64 {
-        let sum: f64 = self.blocks.iter().map(|block| block.square(0.5)).sum();
+        let sum: f64 = self.blocks.iter().map(|block| block.squares.at(0.5, 1.0)).sum();
         sum * self.scale(uncertainty) * libm::pow(self.samples / samples, self.power_of(uncertainty))
     }
 
@@ -207,9 +223,10 @@ impl FilmNoise {
     /// runs.
     fn allocated(&self, target: &NoiseTarget, uncertainty: Uncertainty) -> Allocated {
         let [a, b] = [0.25, 0.75].map(|part| self.allocated_by(part, target, uncertainty));
+        // One of them may reach the limit of samples everywhere by a single pixel.
         Allocated {
-            samples: (a.samples + b.samples) / 2.0,
-            work: (a.work + b.work) / 2.0,
+            samples: (a.samples * b.samples).sqrt(),
+            work: (a.work * b.work).sqrt(),
             most: a.most.max(b.most),
             square: (a.square + b.square) / 2.0,
         }
@@ -226,27 +243,36 @@ impl FilmNoise {
             if met || samples.iter().all(|&samples| samples >= target.most) {
                 return now;
             }
-            let wanted = self.wanted(&samples, part, target, self.scale(uncertainty) / goal);
+            let wanted = self.wanted((&samples, uncertainty), part, target);
             for (samples, _) in samples.iter_mut().zip(wanted).filter(|(_, wanted)| *wanted) {
                 *samples = samples.saturating_mul(2).min(target.most);
             }
         }
     }
 
-    /// Selects the blocks that get more samples: those with fewer samples than sqrt(variance / cost) in proportion.
-    fn wanted(&self, samples: &[u32], part: f64, target: &NoiseTarget, unit: f64) -> Vec<bool> {
+    /// Selects the blocks that get more samples, as the sampler does: those with fewer samples than sqrt(variance /
+    /// cost) in proportion.
+    fn wanted(
+        &self,
+        (samples, uncertainty): (&[u32], Uncertainty),
+        part: f64,
+        target: &NoiseTarget,
+    ) -> Vec<bool> {
         let open: Vec<bool> = samples.iter().map(|&samples| samples < target.most).collect();
-        let roots = self
-            .blocks
-            .iter()
-            .map(|block| (block.square(part) * self.samples * block.cost * block.share).sqrt());
-        let mut scale = unit * roots.sum::<f64>();
+        let power = self.power_of(uncertainty);
+        let mut errors = 0.0;
+        let roots = self.blocks.iter().zip(samples).map(|(block, &samples)| {
+            let known = self.known(samples, power);
+            let square = block.around.at(part, known);
+            let root = (block.allocated.at(part, known) / (block.cost * block.share)).sqrt();
+            errors += if square > 0.0 { square * self.samples / root } else { 0.0 };
+            root
+        });
+        let roots: Vec<f64> = roots.collect();
+        let mut scale = self.scale(uncertainty) / (target.error * target.error) * errors;
         loop {
-            let wanted: Vec<bool> = (self.blocks.iter().zip(samples).zip(&open))
-                .map(|((block, &samples), open)| {
-                    let root = (block.square(part) * self.samples / block.cost / block.share).sqrt();
-                    *open && scale * root >= SQRT_2 * f64::from(samples)
-                })
+            let wanted: Vec<bool> = (roots.iter().zip(samples).zip(&open))
+                .map(|((root, &samples), open)| *open && scale * root >= SQRT_2 * f64::from(samples))
                 .collect();
             if wanted.contains(&true) {
                 return wanted;
@@ -262,13 +288,20 @@ impl FilmNoise {
         let power = self.power_of(uncertainty);
         let mut all = Allocated { samples: 0.0, work: 0.0, most: 0.0, square: 0.0 };
         for (block, &samples) in self.blocks.iter().zip(samples) {
+            let square = block.squares.at(part, self.known(samples, power));
             let samples = f64::from(samples);
             all.samples += block.share * samples;
             all.work += block.share * block.cost * samples;
             all.most = all.most.max(samples);
-            all.square += block.square(part) * libm::pow(self.samples / samples, power);
+            all.square += square * libm::pow(self.samples / samples, power);
         }
         Allocated { square: all.square * self.scale(uncertainty), ..all }
+    }
+
+    /// How much of its outliers the sampler still takes for noise in a block with so many samples per pixel. It gives such
+    /// a block more samples, which seldom meet another one, and forgets half of what it knew whenever they double.
+    fn known(&self, samples: u32, power: f64) -> f64 {
+        libm::pow(self.samples / f64::from(samples).max(self.samples), power)
     }
 
     /// Ratio of the reported squared error to that of independent samples. The reported error is halfway between the
@@ -284,10 +317,13 @@ impl FilmNoise {
     }
 }
 
-impl BlockNoise {
-    /// Mixes the last pass, weighted by `part`, with the passes before it.
-    fn square(&self, part: f64) -> f64 {
-        part * self.squares[0] + (1.0 - part) * self.squares[1]
+impl PassEstimates {
+    /// Mixes what the last pass shows, weighted by `part`, with what the passes before it show. Of the outliers, a share
+    /// counts.
+    fn at(&self, part: f64, outliers: f64) -> f64 {
+        let [regular, all] =
+            [self.regular, self.all].map(|[last, before]| part * last + (1.0 - part) * before);
+        regular + (all - regular) * outliers
     }
 }
 
@@ -297,7 +333,10 @@ mod tests {
 
     /// A film of two halves. The second has nine times the squared error of the first.
     fn film(power: f64) -> PilotFilm {
-        let block = |square: f64| BlockNoise { squares: [square; 2], share: 0.5, cost: 1.0 };
+        let block = |square: f64| {
+            let [squares, around, allocated] = [PassEstimates { all: [square; 2], regular: [square; 2] }; 3];
+            BlockNoise { squares, around, allocated, share: 0.5, cost: 1.0 }
+        };
         let blocks = vec![block(0.001), block(0.009)];
         let noise = FilmNoise { samples: 100.0, blocks, power, spread: 0.0, whole_spread: 0.0 };
         let (prepare, sample) = (ElapsedTime { wall: 1.0, cpu: None }, ElapsedTime { wall: 1e-6, cpu: None });
@@ -335,6 +374,22 @@ mod tests {
         assert!(found.samples < 128.0, "{found:?}");
         let even = forecast(&film(1.0), found.samples as u32, None);
         assert!(found.error < even.error);
+    }
+
+    /// An outlier keeps its block busy, and what is forgotten of it takes less than noise would.
+    #[test]
+    fn outliers_are_forgotten() {
+        let took = |regular: f64| {
+            let mut film = film(1.0);
+            let block = &mut film.noise.as_mut().expect("random samples").blocks[1];
+            for of in [&mut block.squares, &mut block.around, &mut block.allocated] {
+                *of = PassEstimates { all: [0.09; 2], regular: [regular; 2] };
+            }
+            forecast(&film, 1, Some((0.05, 1 << 20))).samples
+        };
+        assert!(took(0.001) < took(0.045) && took(0.045) < took(0.09));
+        let without = forecast(&film(1.0), 1, Some((0.05, 1 << 20))).samples;
+        assert!(took(0.001) > without, "{} {without}", took(0.001));
     }
 
     #[test]

@@ -36,16 +36,26 @@ impl PilotTime {
 const FILMS: usize = 6;
 
 /// Maximum number of weightings of a film that are compared.
-const WEIGHTINGS: usize = 32;
+const WEIGHTINGS: usize = 256;
 
 /// Minimum number of blocks per thread, so that all threads stay busy.
 const BLOCKS: usize = 8;
 
-/// Samples per pixel in the first pass.
-const FIRST: u32 = 8;
+/// Samples per pixel in the first pass, as in the first round of the sampler.
+const FIRST: u32 = 4;
 
-/// Samples per pixel up to which a pilot prefers more samples to more blocks.
-const ENOUGH: u32 = 64;
+/// Samples per pixel up to which a pilot prefers more samples to more blocks. Then every block is better than more
+/// samples: where noise is uneven, a few blocks hold most of it.
+const ENOUGH: u32 = 16;
+
+/// The number of blocks that get more samples than the others, to measure how their errors fall; up to how many samples
+/// per pixel; and for which part of the time.
+const DEEP: usize = 64;
+const DEEPEST: u32 = 256;
+const DEEP_TIME: f64 = 0.25;
+
+/// How many times as long as all before a deeper pilot may take.
+const GROWTH: f64 = 8.0;
 
 /// Maximum samples per pixel.
 const MOST: u32 = 1 << 20;
@@ -95,11 +105,14 @@ pub fn run_pilot(
     let trials = affordable(&pilots, 0.5 * limit.share * expected(&pilots, &known, run.spent));
     let (shares, took) = timed(|| path_shares(sequence, plan, trials).films);
     run.spent = run.spent + clock.elapsed(took, 0);
-    let expected = expected(&pilots, &shares, run.spent);
-    let left = limit.seconds.min(limit.share * expected) - run.spent.wall;
-    // A pilot that is shorter than the first probe would add no information.
-    if left > run.spent.wall {
-        let seconds = left / pilots.len().max(1) as f64;
+    // The less a pilot has seen, the less it knows how long the run takes, and how long it may take itself. One that is
+    // shorter than what was before would add no information.
+    loop {
+        let left = limit.seconds.min(limit.share * expected(&pilots, &shares, run.spent)) - run.spent.wall;
+        if left <= run.spent.wall || pilots.is_empty() {
+            break;
+        }
+        let seconds = left.min(GROWTH * run.spent.wall) / pilots.len() as f64;
         let deeper = |film: PilotFilm| {
             let budget = few.deeper(&film, seconds, sequence.quality.antialias);
             run.film(film.place, budget).unwrap_or(film)
@@ -119,7 +132,7 @@ fn affordable(pilots: &[PilotFilm], seconds: f64) -> ShareTrials {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ProbeBudget {
     blocks: usize,
-    /// Doubles the samples while time is left, after the first two passes.
+    /// Doubles the samples while time is left, once there are [`ENOUGH`].
     seconds: f64,
 }
 
@@ -243,15 +256,44 @@ impl PilotRun<'_> {
             passes.add(probe, &weightings, (drawn, 2 * drawn));
             drawn *= 2;
             let next = done.prepare.wall + 2.0 * done.trace.wall;
-            if self.spent.wall - start + next > seconds || drawn >= MOST {
+            let is_over = self.spent.wall - start + next > seconds || drawn >= MOST;
+            if drawn >= ENOUGH && is_over {
                 break;
             }
         }
         let samples = probe.pixels() as f64 * f64::from(drawn - FIRST);
         pilot.sample = traced * (1.0 / samples);
         pilot.rays = rays as f64 / samples;
-        pilot.noise = Some(passes.noise(pilot.pixels));
+        let near = probe.neighbourhoods();
+        if let Some(worst) = passes.worst() {
+            probe.keep(&passes.noisiest(DEEP));
+            let falls = self.falls(shared, probe, &weightings[worst], (drawn, DEEP_TIME * seconds))?;
+            passes.falls.extend(falls);
+        }
+        pilot.noise = Some(passes.noise(&near, pilot.pixels));
         Some(())
+    }
+
+    /// How the error of blocks falls beyond `drawn` samples. The passes that chose the blocks have no part in it: blocks
+    /// whose errors look largest are those of which too much has been measured.
+    fn falls(
+        &mut self,
+        shared: &SharedFilm,
+        probe: &mut PilotBlocks,
+        weights: &[Rgb],
+        (mut drawn, seconds): (u32, f64),
+    ) -> Option<Vec<f64>> {
+        let (start, mut squares) = (self.spent.wall, Vec::new());
+        let mut next = 0.0;
+        while self.spent.wall - start + next < seconds && drawn < DEEPEST {
+            let done = self.pass(shared, probe, drawn..2 * drawn)?;
+            next = done.prepare.wall + 2.0 * done.trace.wall;
+            let blocks = probe.errors(weights, (drawn, 2 * drawn));
+            squares.push(blocks.iter().map(|block| block.square * block.pixels).sum::<f64>());
+            drawn *= 2;
+        }
+        let pairs = squares.windows(2).filter(|pair| pair.iter().all(|square| *square > 0.0));
+        Some(pairs.map(|pair| libm::log2(pair[0] / pair[1])).collect())
     }
 
     fn pass(
