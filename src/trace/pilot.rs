@@ -89,8 +89,8 @@ impl PilotBlocks {
 
     /// Keeps these blocks only.
     pub fn keep(&mut self, places: &[usize]) {
-        let mut place = 0..;
-        self.blocks.retain(|_| place.next().is_some_and(|place| places.contains(&place)));
+        let blocks = std::mem::take(&mut self.blocks).into_iter().enumerate();
+        self.blocks = blocks.filter(|(place, _)| places.contains(place)).map(|(_, block)| block).collect();
     }
 
     /// The number of pixels of all its blocks.
@@ -129,7 +129,7 @@ impl PilotBlocks {
 
     /// The errors of the blocks with these weights, from the first `before` of `after` samples and the rest.
     pub fn errors(&self, weights: &[Rgb], (before, after): (u32, u32)) -> Vec<BlockError> {
-        self.blocks.iter().map(|block| block.error(weights, self.layers, (before, after))).collect()
+        self.blocks.par_iter().map(|block| block.error(weights, self.layers, (before, after))).collect()
     }
 }
 

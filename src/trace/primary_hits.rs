@@ -187,7 +187,7 @@ fn center(pixel: usize, width: u32) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::appearance::material::MaterialBinding;
+    use crate::appearance::material::{Material, MaterialBinding};
     use crate::base::math::{Angle, axis_angle, gamma, look_at};
     use crate::geometry::shape::{Cuboid, Plane, Shape, Sphere};
     use crate::scene::{Finish, Geometry, Shading, Weights};
@@ -209,7 +209,8 @@ mod tests {
         let basis = look_at(eye, DVec3::Y, DVec3::Y).expect("a frame");
         let projection = Projection::Perspective { half_height: 0.4 };
         let camera = Camera { position: eye, basis, projection, lens: None };
-        let (shading, weights) = (Shading::default(), Weights(Vec::new()));
+        let shading = Shading { materials: vec![Material::default()], ..Shading::default() };
+        let weights = Weights(Vec::new());
         let scene = Scene { geometry: &geometry, shading: &shading, weights: &weights, camera: &camera };
         PrimaryHits::find(&scene, &Bvh::build(&geometry), &TraceSettings::new(SIZE, Quality::default()))
     }

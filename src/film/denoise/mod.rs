@@ -90,7 +90,9 @@ pub fn bytes((width, height): (u32, u32), layers: u64, neighbors: u64) -> u64 {
         light.saturating_add(candidates::bytes_of_pixel(layers)).saturating_add(BYTES_OF_LAYER + pooled);
     let reprojected = neighbors * Neighbor::BYTES_PER_PIXEL;
     let pixel = pixel.saturating_add(reprojected);
-    row.saturating_mul(pixel).saturating_add(2 * guides * Guides::BYTES_PER_PIXEL)
+    // Of both halves: those of the picture, and pooled ones to fit light to and to show fits at.
+    let sets = if neighbors > 0 { 6 } else { 2 };
+    row.saturating_mul(pixel).saturating_add(sets * guides * Guides::BYTES_PER_PIXEL)
 }
 
 /// Denoises a picture. The film holds no guides. `samples` is the number of samples per pixel of all films.

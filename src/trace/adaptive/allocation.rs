@@ -23,24 +23,41 @@ pub fn blocks_to_refine(
     columns: usize,
 ) -> Vec<bool> {
     let goal = target.error * target.error;
-    let open = |block: &Block| block.drawn() < target.most;
-    if estimate.worst().1 <= goal || !blocks.iter().any(open) {
+    let drawn: Vec<u32> = blocks.iter().map(Block::drawn).collect();
+    if estimate.worst().1 <= goal || drawn.iter().all(|&drawn| drawn >= target.most) {
         return vec![false; blocks.len()];
     }
     let allocation = Allocation::new(blocks, estimate, columns);
-    let mut scale = estimate.gain() * allocation.square / goal;
+    wanted(&allocation.samples, &drawn, target.most, estimate.gain() * allocation.square / goal)
+}
+
+/// Which blocks get twice the samples that they have drawn: those below the limit `most` and far enough below their
+/// allocation, which is `scale` times `samples`.
+pub fn wanted(samples: &[f64], drawn: &[u32], most: u32, mut scale: f64) -> Vec<bool> {
     loop {
-        let enough = |share: f64, block: &Block| scale * share < SQRT_2 * f64::from(block.drawn());
-        let wanted = allocation.samples.iter().zip(blocks);
-        let wanted: Vec<bool> = wanted.map(|(&share, block)| open(block) && !enough(share, block)).collect();
+        let enough = |samples: f64, drawn: u32| scale * samples < SQRT_2 * f64::from(drawn);
+        let both = samples.iter().zip(drawn);
+        let wanted: Vec<bool> =
+            both.map(|(&samples, &drawn)| drawn < most && !enough(samples, drawn)).collect();
         // If no block is far enough below its allocation, the scale grows until some are.
         if wanted.contains(&true) {
             return wanted;
         }
         if !scale.is_finite() || scale == 0.0 {
-            return blocks.iter().map(open).collect();
+            return drawn.iter().map(|&drawn| drawn < most).collect();
         }
         scale *= 1.25;
+    }
+}
+
+/// Adds the variances of blocks with a weighting, so that this share of all samples follows them. A block's number of
+/// samples is proportional to the root of the sum over its cost.
+pub fn mix(mixed: &mut [f64], variances: &[f64], costs: &[f64], share: f64) {
+    let parts = variances.iter().zip(costs).map(|(variance, cost)| (variance * cost).sqrt());
+    let work = parts.sum::<f64>();
+    if work > 0.0 {
+        let factor = share / (work * work);
+        mixed.iter_mut().zip(variances).for_each(|(mixed, variance)| *mixed += factor * variance);
     }
 }
 
@@ -71,18 +88,10 @@ impl Allocation {
         let costs: Vec<f64> = blocks.iter().map(Block::cost).collect();
         let worst = variances(blocks, estimate, estimate.worst().0, columns);
         let mut mixed = vec![0.0; blocks.len()];
-        let mut mix = |variances: &[f64], share: f64| {
-            let parts = variances.iter().zip(&costs).map(|(variance, cost)| (variance * cost).sqrt());
-            let work = parts.sum::<f64>();
-            if work > 0.0 {
-                let factor = share / (work * work);
-                mixed.iter_mut().zip(variances).for_each(|(mixed, variance)| *mixed += factor * variance);
-            }
-        };
-        mix(&worst, 0.5);
+        mix(&mut mixed, &worst, &costs, 0.5);
         let each = 0.5 / estimate.weightings() as f64;
         for weighting in 0..estimate.weightings() {
-            mix(&variances(blocks, estimate, weighting, columns), each);
+            mix(&mut mixed, &variances(blocks, estimate, weighting, columns), &costs, each);
         }
         let samples: Vec<f64> = mixed.iter().zip(&costs).map(|(mixed, cost)| (mixed / cost).sqrt()).collect();
         let left = worst.iter().zip(&samples).filter(|(variance, _)| **variance > 0.0);

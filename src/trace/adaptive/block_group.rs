@@ -9,6 +9,10 @@ use crate::base::stats::Counts;
 use crate::trace::pixels::{PixelTracer, SampleSet};
 use crate::trace::wavefront::WAVE;
 
+/// The most blocks of a group. With more, a round of many moments would be too few groups for all threads, and the costs
+/// of blocks would be those of half the picture.
+const MOST: usize = 16;
+
 /// Open blocks whose round takes the same samples of each pixel. The groups of a round depend on its blocks alone, so
 /// the cost of each block does, too.
 pub struct BlockGroup<'a>(Vec<&'a mut Block>);
@@ -22,7 +26,9 @@ impl<'a> BlockGroup<'a> {
         for block in blocks.iter_mut().filter(|block| block.is_open()) {
             let samples = block.pixels() as usize * block.round().len() / moments as usize;
             match groups.last_mut() {
-                Some(Self(last)) if last[0].round() == block.round() && filled + samples <= WAVE => {
+                Some(Self(last))
+                    if last[0].round() == block.round() && last.len() < MOST && filled + samples <= WAVE =>
+                {
                     last.push(block);
                     filled += samples;
                 }
@@ -48,12 +54,14 @@ impl<'a> BlockGroup<'a> {
         let places: Vec<(u32, u32)> = blocks.iter().flat_map(|block| block.places()).collect();
         let mut sums: Vec<DVec3> = blocks.iter().flat_map(|block| block.sums()).copied().collect();
         let counts = pixels.add(&places, &SampleSet { samples, seed }, &mut sums);
-        let (rays, mut rest) = (counts.rays.total(), &sums[..]);
+        let (pixels, mut before, mut rest) = (places.len() as u64, 0, &sums[..]);
+        let rays_of = |pixel: u64| counts.rays.total() * pixel / pixels;
         for block in &mut blocks {
             let own;
             (own, rest) = rest.split_at(block.sums().len());
-            let share = rays * u64::from(block.pixels()) / places.len() as u64;
-            block.take_sums(own, share);
+            let end = before + u64::from(block.pixels());
+            block.take_sums(own, rays_of(end) - rays_of(before));
+            before = end;
         }
         counts
     }

@@ -15,6 +15,8 @@ mod estimate;
 pub mod halves;
 mod layer_products;
 
+pub use allocation::{mix, wanted};
+
 use super::pixels::PixelTracer;
 use super::settings::{Moment, TraceSettings};
 use crate::base::color::Rgb;
@@ -194,19 +196,19 @@ impl AdaptiveFrame {
         self.blocks.par_iter_mut().filter(|block| block.is_open()).for_each(Block::end_round);
         self.estimate = ErrorEstimate::new(&mut self.blocks, &self.weightings);
         let most = self.target.most;
-        let wanted = if self.blocks.iter().any(|block| block.drawn() < MIN_SAMPLES.min(most)) {
+        let refined = if self.blocks.iter().any(|block| block.drawn() < MIN_SAMPLES.min(most)) {
             vec![true; self.blocks.len()]
         } else {
             let columns = self.size.0.div_ceil(SIDE) as usize;
             allocation::blocks_to_refine(&self.blocks, &self.estimate, &self.target, columns)
         };
-        if meter.is_stopped() && wanted.contains(&true) {
+        if meter.is_stopped() && refined.contains(&true) {
             meter.unfinished.store(true, Relaxed);
             return true;
         }
         let mut open = 0;
-        for (block, wanted) in self.blocks.iter_mut().zip(wanted) {
-            if wanted && block.drawn() < most {
+        for (block, is_refined) in self.blocks.iter_mut().zip(refined) {
+            if is_refined && block.drawn() < most {
                 block.start_round((2 * block.drawn()).min(most));
                 open += 1;
             }

@@ -23,7 +23,7 @@ pub struct Pooled {
 }
 
 /// What the samples of a neighbour weigh at each pixel, relative to that of the picture's own samples: a plane.
-struct Weighted<'a> {
+struct WeightedNeighbor<'a> {
     neighbor: &'a Neighbor<'a>,
     weights: Planes,
 }
@@ -47,10 +47,10 @@ impl Pooled {
         for neighbor in neighbors {
             let Neighbor { halves: theirs, reprojection: by } = neighbor;
             let Some(their_place) = theirs.place_of(layer) else { continue };
-            theirs.dimmed.iter().zip(&mut seen).for_each(|(from, into)| see(from, their_place, by, into));
+            theirs.dimmed.iter().zip(&mut seen).for_each(|(from, into)| gather(from, their_place, by, into));
             let weights = agreement.weights((dimmed, place), seen.each_ref(), by, floor);
             light.iter_mut().zip(&seen).for_each(|(sums, seen)| add(sums, seen, &weights));
-            all.push(Weighted { neighbor, weights });
+            all.push(WeightedNeighbor { neighbor, weights });
         }
         light.iter_mut().for_each(|light| divide(light, &all));
         let pooled = |when: fn(&Taps) -> bool| {
@@ -68,7 +68,7 @@ impl Pooled {
 }
 
 /// Writes a layer of a neighbour's light at the points of the pixels; zero where it does not see them.
-fn see(from: &Planes, layer: usize, by: &Reprojection, into: &mut Planes) {
+fn gather(from: &Planes, layer: usize, by: &Reprojection, into: &mut Planes) {
     let stride = into.stride;
     into.par_lines_mut().enumerate().for_each(|(y, line)| {
         for (x, taps) in by.row(y).iter().enumerate() {
@@ -98,11 +98,11 @@ fn add(sums: &mut Planes, light: &Planes, weights: &Planes) {
 }
 
 /// Divides sums by the sum of all weights.
-fn divide(sums: &mut Planes, all: &[Weighted]) {
+fn divide(sums: &mut Planes, all: &[WeightedNeighbor]) {
     let stride = sums.stride;
     sums.par_lines_mut().enumerate().for_each(|(y, line)| {
         let mut total = vec![1.0; stride];
-        for Weighted { weights, .. } in all {
+        for WeightedNeighbor { weights, .. } in all {
             total.iter_mut().zip(weights.row(0, y)).for_each(|(sum, weight)| *sum += weight);
         }
         for sums in line.chunks_exact_mut(stride) {
@@ -115,12 +115,12 @@ fn divide(sums: &mut Planes, all: &[Weighted]) {
 #[inline(always)]
 fn pooled_guides(
     (guides, half): (PixelGuides, usize),
-    all: &[Weighted],
+    all: &[WeightedNeighbor],
     [x, y]: [usize; 2],
     when: fn(&Taps) -> bool,
 ) -> PixelGuides {
     let (mut sums, mut total) = (guides, 1.0);
-    for Weighted { neighbor: Neighbor { halves, reprojection }, weights } in all {
+    for WeightedNeighbor { neighbor: Neighbor { halves, reprojection }, weights } in all {
         let (weight, taps) = (weights.row(0, y)[x], &reprojection.row(y)[x]);
         if weight > 0.0 && when(taps) {
             let mut guides = PixelGuides::default();
@@ -136,10 +136,10 @@ fn pooled_guides(
 }
 
 /// What neighbours weigh at points that the same pixel sees.
-fn still(all: &[Weighted], size: (usize, usize)) -> Planes {
+fn still(all: &[WeightedNeighbor], size: (usize, usize)) -> Planes {
     let mut still = Planes::new(size, 1);
     let partly = all.iter().filter(|one| one.neighbor.reprojection.is_partly_still);
-    for Weighted { neighbor, weights } in partly {
+    for WeightedNeighbor { neighbor, weights } in partly {
         still.par_lines_mut().enumerate().for_each(|(y, line)| {
             let pixels = weights.row(0, y).iter().zip(neighbor.reprojection.row(y));
             for (sum, (weight, taps)) in line.iter_mut().zip(pixels) {

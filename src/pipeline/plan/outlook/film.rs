@@ -3,8 +3,7 @@
 use crate::base::clock::ElapsedTime;
 use crate::film::denoise::samples_of_audit;
 use crate::sequence::quality::{Denoise, NoiseTarget, Quality};
-use crate::trace::{MIN_SAMPLES, first_round};
-use std::f64::consts::SQRT_2;
+use crate::trace::{MIN_SAMPLES, first_round, wanted};
 
 /// Measurements of a film.
 #[derive(Clone, Debug)]
@@ -46,7 +45,8 @@ pub struct BlockNoise {
     pub squares: PassEstimates,
     /// The same mixed with those of the blocks around it.
     pub around: PassEstimates,
-    /// The variance by which the sampler allocates samples, up to a common factor: that of the worst frame, and of all.
+    /// The variance by which the sampler allocates samples: that of the worst frame, and of all. With and without
+    /// outliers, it has factors of its own, so what lies between is approximate.
     pub allocated: PassEstimates,
     /// Share of the pixels.
     pub share: f64,
@@ -162,13 +162,13 @@ impl PilotFilm {
         (target, lost): (&NoiseTarget, f64),
         uncertainty: Uncertainty,
     ) -> FilmForecast {
-        let Allocated { samples, work, most, square } = noise.allocated(target, uncertainty);
+        let Allocated { samples, work, most, square, missed } = noise.allocated(target, uncertainty);
         // If something moves, every round of samples visits all moments again.
         let first = f64::from(first_round(target.most));
         let rounds = if self.moments > 1 { 1.0 + libm::log2(most / first).max(0.0).ceil() } else { 1.0 };
         FilmForecast {
             error: Some(square.sqrt()),
-            missed: square > target.error * target.error,
+            missed,
             ..self.with(samples + lost, work + lost, rounds, uncertainty)
         }
     }
@@ -194,8 +194,9 @@ struct Allocated {
     work: f64,
     /// Samples of the block with most samples.
     most: f64,
-    /// Squared error.
+    /// Squared error, and whether it misses the target.
     square: f64,
+    missed: bool,
 }
 
 /// The samples per pixel that show the error of a denoised picture.
@@ -204,11 +205,6 @@ fn audits(quality: &Quality, picture: u32) -> f64 {
 }
 
 impl FilmNoise {
-    /// No blocks have been measured.
-    pub(super) const fn none() -> Self {
-        Self { samples: 1.0, blocks: Vec::new(), power: 1.0, spread: 0.0, whole_spread: 0.0 }
-    }
-
     /// Squared error if every pixel has this number of samples.
     fn even(&self, samples: f64, uncertainty: Uncertainty) -> f64 {
         let sum: f64 = self.blocks.iter().map(|block| block.squares.at(0.5, 1.0)).sum();
@@ -228,7 +224,8 @@ impl FilmNoise {
             samples: (a.samples * b.samples).sqrt(),
             work: (a.work * b.work).sqrt(),
             most: a.most.max(b.most),
-            square: (a.square + b.square) / 2.0,
+            square: (a.square * b.square).sqrt(),
+            missed: a.missed && b.missed,
         }
     }
 
@@ -241,7 +238,7 @@ impl FilmNoise {
             // The sampler stops only when the error plus one standard deviation meets the target.
             let met = now.square * (1.0 + self.whole_spread) <= goal;
             if met || samples.iter().all(|&samples| samples >= target.most) {
-                return now;
+                return Allocated { missed: now.square > goal, ..now };
             }
             let wanted = self.wanted((&samples, uncertainty), part, target);
             for (samples, _) in samples.iter_mut().zip(wanted).filter(|(_, wanted)| *wanted) {
@@ -258,50 +255,34 @@ impl FilmNoise {
         part: f64,
         target: &NoiseTarget,
     ) -> Vec<bool> {
-        let open: Vec<bool> = samples.iter().map(|&samples| samples < target.most).collect();
-        let power = self.power_of(uncertainty);
+        let mut falls = Falls::new(self.samples, self.power_of(uncertainty));
         let mut errors = 0.0;
         let roots = self.blocks.iter().zip(samples).map(|(block, &samples)| {
-            let known = self.known(samples, power);
+            let known = falls.at(samples).min(1.0);
             let square = block.around.at(part, known);
             let root = (block.allocated.at(part, known) / (block.cost * block.share)).sqrt();
             errors += if square > 0.0 { square * self.samples / root } else { 0.0 };
             root
         });
         let roots: Vec<f64> = roots.collect();
-        let mut scale = self.scale(uncertainty) / (target.error * target.error) * errors;
-        loop {
-            let wanted: Vec<bool> = (roots.iter().zip(samples).zip(&open))
-                .map(|((root, &samples), open)| *open && scale * root >= SQRT_2 * f64::from(samples))
-                .collect();
-            if wanted.contains(&true) {
-                return wanted;
-            }
-            if !scale.is_finite() || scale == 0.0 {
-                return open;
-            }
-            scale *= 1.25;
-        }
+        let scale = self.scale(uncertainty) / (target.error * target.error) * errors;
+        wanted(&roots, samples, target.most, scale)
     }
 
     fn with(&self, samples: &[u32], part: f64, uncertainty: Uncertainty) -> Allocated {
         let power = self.power_of(uncertainty);
-        let mut all = Allocated { samples: 0.0, work: 0.0, most: 0.0, square: 0.0 };
+        let mut falls = Falls::new(self.samples, power);
+        let mut all = Allocated { samples: 0.0, work: 0.0, most: 0.0, square: 0.0, missed: false };
         for (block, &samples) in self.blocks.iter().zip(samples) {
-            let square = block.squares.at(part, self.known(samples, power));
+            let fall = falls.at(samples);
+            let square = block.squares.at(part, fall.min(1.0));
             let samples = f64::from(samples);
             all.samples += block.share * samples;
             all.work += block.share * block.cost * samples;
             all.most = all.most.max(samples);
-            all.square += square * libm::pow(self.samples / samples, power);
+            all.square += square * fall;
         }
         Allocated { square: all.square * self.scale(uncertainty), ..all }
-    }
-
-    /// How much of its outliers the sampler still takes for noise in a block with so many samples per pixel. It gives such
-    /// a block more samples, which seldom meet another one, and forgets half of what it knew whenever they double.
-    fn known(&self, samples: u32, power: f64) -> f64 {
-        libm::pow(self.samples / f64::from(samples).max(self.samples), power)
     }
 
     /// Ratio of the reported squared error to that of independent samples. The reported error is halfway between the
@@ -314,6 +295,33 @@ impl FilmNoise {
 
     fn power_of(&self, uncertainty: Uncertainty) -> f64 {
         (self.power - POWER * uncertainty.0).clamp(1.0, 1.5)
+    }
+}
+
+/// How squared errors fall beyond the samples of the pilot. Blocks have few different numbers of samples, so those that
+/// were computed are kept.
+///
+/// It is also what the sampler still knows of outliers: it gives their block more samples, which seldom meet another one,
+/// and forgets half of what it knew whenever they double.
+struct Falls {
+    samples: f64,
+    power: f64,
+    found: Vec<(u32, f64)>,
+}
+
+impl Falls {
+    fn new(samples: f64, power: f64) -> Self {
+        Self { samples, power, found: Vec::new() }
+    }
+
+    /// The squared error with so many samples per pixel, as a share of that with the pilot's.
+    fn at(&mut self, samples: u32) -> f64 {
+        if let Some((_, fall)) = self.found.iter().find(|(known, _)| *known == samples) {
+            return *fall;
+        }
+        let fall = libm::pow(self.samples / f64::from(samples), self.power);
+        self.found.push((samples, fall));
+        fall
     }
 }
 

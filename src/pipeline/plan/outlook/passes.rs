@@ -2,13 +2,13 @@
 
 use super::film::{BlockNoise, FilmNoise, PassEstimates};
 use crate::base::color::Rgb;
-use crate::trace::{BlockError, PilotBlocks};
+use crate::trace::{BlockError, PilotBlocks, mix};
 
 /// Results of all passes over a film so far.
 #[derive(Default)]
 pub struct Passes {
     /// One for each weighting of layers.
-    weighted: Vec<Weighted>,
+    weighted: Vec<WeightingErrors>,
     samples: f64,
     /// Exponents of two by which the squared error of the worst weighting fell from one pass to the next.
     pub falls: Vec<f64>,
@@ -19,7 +19,7 @@ const OUTLIER: f64 = 0.9;
 
 /// What is known of the blocks with a weighting.
 #[derive(Default)]
-struct Weighted {
+struct WeightingErrors {
     /// Each block's squared error combined from all passes.
     blocks: Vec<BlockError>,
     /// The same from the last pass and from those before it, with outliers and without.
@@ -27,12 +27,12 @@ struct Weighted {
 }
 
 /// One of the estimates of a block.
-type Estimate = fn(&PassEstimates) -> f64;
+type Part = fn(&PassEstimates) -> f64;
 
 impl PassEstimates {
     /// Computes something from each of the estimates.
-    fn for_each<T>(compute: impl Fn(Estimate) -> T) -> [T; 4] {
-        let all: [Estimate; 4] = [|of| of.all[0], |of| of.all[1], |of| of.regular[0], |of| of.regular[1]];
+    fn for_each<T>(compute: impl Fn(Part) -> T) -> [T; 4] {
+        let all: [Part; 4] = [|of| of.all[0], |of| of.all[1], |of| of.regular[0], |of| of.regular[1]];
         all.map(compute)
     }
 
@@ -51,7 +51,7 @@ fn regular(block: &BlockError) -> f64 {
     block.square - if block.largest > OUTLIER * block.square { block.largest } else { 0.0 }
 }
 
-impl Weighted {
+impl WeightingErrors {
     /// The mean over all pixels.
     fn mean(&self, part: fn(&BlockError) -> f64) -> f64 {
         let pixels: f64 = self.blocks.iter().map(|block| block.pixels).sum();
@@ -94,12 +94,11 @@ impl Passes {
     pub fn add(&mut self, probe: &PilotBlocks, weightings: &[Vec<Rgb>], (before, after): (u32, u32)) {
         let found: Vec<Vec<BlockError>> =
             weightings.iter().map(|weights| probe.errors(weights, (before, after))).collect();
-        self.weighted.resize_with(weightings.len(), Weighted::default);
+        self.weighted.resize_with(weightings.len(), WeightingErrors::default);
         let sum = |blocks: &[BlockError]| blocks.iter().map(|block| block.square * block.pixels).sum::<f64>();
-        let fall = self.worst().and_then(|worst| {
-            let (now, last) = (sum(&found[worst]), sum(&self.weighted[worst].blocks));
-            (now > 0.0 && last > 0.0).then(|| libm::log2(last / now))
-        });
+        let worst = self.worst();
+        let (now, last) = (sum(&found[worst]), sum(&self.weighted[worst].blocks));
+        let fall = (now > 0.0 && last > 0.0).then(|| libm::log2(last / now));
         self.falls.extend(fall);
         self.weighted.iter_mut().zip(found).for_each(|(weighted, blocks)| weighted.add(blocks, fall));
         self.samples = f64::from(after);
@@ -107,17 +106,17 @@ impl Passes {
 
     /// The blocks, at most `count`, with the largest squared errors.
     pub fn noisiest(&self, count: usize) -> Vec<usize> {
-        let Some(worst) = self.worst().map(|worst| &self.weighted[worst]) else { return Vec::new() };
+        let worst = &self.weighted[self.worst()];
         let mut places: Vec<usize> = (0..worst.blocks.len()).collect();
         places.sort_by(|a, b| worst.blocks[*b].square.total_cmp(&worst.blocks[*a].square));
         places.truncate(count);
         places
     }
 
-    /// The weighting with the largest error.
-    pub fn worst(&self) -> Option<usize> {
-        let all = self.weighted.iter().map(Weighted::relative).enumerate();
-        all.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(worst, _)| worst)
+    /// The weighting with the largest error. There are weightings once a pass was added.
+    pub fn worst(&self) -> usize {
+        let all = self.weighted.iter().map(WeightingErrors::relative).enumerate();
+        all.max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(worst, _)| worst)
     }
 
     /// The exponent with which the squared error falls. The more samples, the closer it is to that of a target: every
@@ -132,7 +131,7 @@ impl Passes {
 
     /// The noise of a film of `whole` pixels. `near` are the neighbourhoods of the blocks.
     pub fn noise(&self, near: &[Vec<usize>], whole: f64) -> FilmNoise {
-        let Some(worst) = self.worst().map(|worst| &self.weighted[worst]) else { return FilmNoise::none() };
+        let worst = &self.weighted[self.worst()];
         let (pixels, unit) = (worst.blocks.iter().map(|block| block.pixels).sum::<f64>(), worst.unit());
         let rays = worst.mean(|block| block.rays);
         let cost = |block: &BlockError| (block.rays / rays).max(1e-3);
@@ -173,22 +172,13 @@ impl Passes {
 }
 
 /// The parts of the blocks in the squared error, as the sampler sees them: half their own, half those around.
-fn variances(weighted: &Weighted, of: Estimate, near: &[Vec<usize>]) -> Vec<f64> {
-    let Weighted { blocks, apart } = weighted;
+fn variances(weighted: &WeightingErrors, of: Part, near: &[Vec<usize>]) -> Vec<f64> {
+    let WeightingErrors { blocks, apart } = weighted;
     let unit = weighted.unit() * blocks.iter().map(|block| block.pixels).sum::<f64>();
     let own = |(block, apart): (&BlockError, &PassEstimates)| of(apart) * block.pixels / unit;
     let own: Vec<f64> = blocks.iter().zip(apart).map(own).collect();
     let around = |near: &Vec<usize>| near.iter().map(|place| own[*place]).sum::<f64>() / near.len() as f64;
     own.iter().zip(near).map(|(own, near)| (own + around(near)) / 2.0).collect()
-}
-
-/// Adds the variances of a weighting, so that `share` of all samples follows it. `work` are the costs of the blocks.
-fn mix(mixed: &mut [f64], variances: &[f64], work: &[f64], share: f64) {
-    let all: f64 = variances.iter().zip(work).map(|(variance, cost)| (variance * cost).sqrt()).sum();
-    if all > 0.0 {
-        let factor = share / (all * all);
-        mixed.iter_mut().zip(variances).for_each(|(mixed, variance)| *mixed += factor * variance);
-    }
 }
 
 #[cfg(test)]
@@ -202,7 +192,7 @@ mod tests {
     /// The sampler allocates by half of a block's noise and half of that around it.
     #[test]
     fn noise_is_mixed_with_that_of_neighbours() {
-        let mut weighted = Weighted::default();
+        let mut weighted = WeightingErrors::default();
         weighted.add(vec![block(0.02, 0.001), block(0.0, 0.0), block(0.04, 0.039)], None);
         let passes = Passes { weighted: vec![weighted], samples: 8.0, falls: Vec::new() };
         let noise = passes.noise(&[vec![0, 1], vec![0, 1, 2], vec![1, 2]], 3.0 * 64.0);

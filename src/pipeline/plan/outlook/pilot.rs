@@ -52,13 +52,21 @@ const ENOUGH: u32 = 16;
 /// per pixel; and for which part of the time.
 const DEEP: usize = 64;
 const DEEPEST: u32 = 256;
-const DEEP_TIME: f64 = 0.25;
+const DEEP_TIME: f64 = 0.15;
 
-/// How many times as long as all before a deeper pilot may take.
+/// How many times as long as all before a deeper pilot may take, and how many there may be.
 const GROWTH: f64 = 8.0;
+const ROUNDS: u32 = 6;
 
-/// Maximum samples per pixel.
-const MOST: u32 = 1 << 20;
+/// Maximum samples per pixel: more tell no more.
+const MOST: u32 = 1 << 12;
+
+impl FilmNoise {
+    /// Whether more samples would tell more.
+    fn is_open(&self) -> bool {
+        self.samples < f64::from(MOST)
+    }
+}
 
 /// Probes some films of the plan.
 pub fn run_pilot(
@@ -88,7 +96,7 @@ pub fn run_pilot(
     // What shared views save is known without tracing.
     let known = path_shares(sequence, plan, ShareTrials::of_samples(0)).films;
     let expected = |pilots: &[PilotFilm], shares: &[f64], spent| {
-        outlook(pilots.to_vec(), shares, spent).forecast(&sequence.quality).wall.mid
+        outlook(pilots.to_vec(), shares, spent).wall(&sequence.quality)
     };
     let mut pilots: Vec<PilotFilm> = Vec::new();
     // One film of each kind, then others. Where films take long to prepare, few of them must do: half of the time is for
@@ -106,10 +114,12 @@ pub fn run_pilot(
     let (shares, took) = timed(|| path_shares(sequence, plan, trials).films);
     run.spent = run.spent + clock.elapsed(took, 0);
     // The less a pilot has seen, the less it knows how long the run takes, and how long it may take itself. One that is
-    // shorter than what was before would add no information.
-    loop {
+    // shorter than what was before would add no information, and grids have nothing to add after the first one.
+    for round in 0..ROUNDS {
         let left = limit.seconds.min(limit.share * expected(&pilots, &shares, run.spent)) - run.spent.wall;
-        if left <= run.spent.wall || pilots.is_empty() {
+        let is_known =
+            round > 0 && !pilots.iter().any(|film| film.noise.as_ref().is_some_and(FilmNoise::is_open));
+        if left <= run.spent.wall || pilots.is_empty() || is_known {
             break;
         }
         let seconds = left.min(GROWTH * run.spent.wall) / pilots.len() as f64;
@@ -246,6 +256,7 @@ impl PilotRun<'_> {
     ) -> Option<()> {
         let start = self.spent.wall;
         let (mut traced, mut rays, mut passes) = (ElapsedTime::ZERO, 0, Passes::default());
+        let deep;
         let weightings = weightings(self.plan, shared);
         pilot.prepare = self.pass(shared, probe, 0..FIRST)?.prepare;
         let mut drawn = FIRST;
@@ -256,8 +267,11 @@ impl PilotRun<'_> {
             passes.add(probe, &weightings, (drawn, 2 * drawn));
             drawn *= 2;
             let next = done.prepare.wall + 2.0 * done.trace.wall;
-            let is_over = self.spent.wall - start + next > seconds || drawn >= MOST;
+            let is_over = self.spent.wall - start + next > (1.0 - DEEP_TIME) * seconds || drawn >= MOST;
             if drawn >= ENOUGH && is_over {
+                // Two passes of the noisiest blocks: as many samples, then twice as many.
+                let share = DEEP as f64 * PilotBlocks::BLOCK / probe.pixels() as f64;
+                deep = 2.0 * done.prepare.wall + 6.0 * done.trace.wall * share.min(1.0);
                 break;
             }
         }
@@ -265,17 +279,18 @@ impl PilotRun<'_> {
         pilot.sample = traced * (1.0 / samples);
         pilot.rays = rays as f64 / samples;
         let near = probe.neighbourhoods();
-        if let Some(worst) = passes.worst() {
+        if deep < DEEP_TIME * seconds && 4 * drawn <= DEEPEST {
+            let weights = &weightings[passes.worst()];
             probe.keep(&passes.noisiest(DEEP));
-            let falls = self.falls(shared, probe, &weightings[worst], (drawn, DEEP_TIME * seconds))?;
+            let falls = self.falls(shared, probe, weights, (drawn, DEEP_TIME * seconds))?;
             passes.falls.extend(falls);
         }
         pilot.noise = Some(passes.noise(&near, pilot.pixels));
         Some(())
     }
 
-    /// How the error of blocks falls beyond `drawn` samples. The passes that chose the blocks have no part in it: blocks
-    /// whose errors look largest are those of which too much has been measured.
+    /// How the error of blocks falls beyond `drawn` samples. The pass that chose the blocks is left out, since blocks
+    /// whose errors look largest are those of which too much has been measured. Its samples remain in their means.
     fn falls(
         &mut self,
         shared: &SharedFilm,

@@ -57,6 +57,11 @@ impl Outlook {
         }
     }
 
+    /// The most likely wall time of tracing with this quality, in seconds.
+    pub(super) fn wall(&self, quality: &Quality) -> f64 {
+        self.films(quality, Uncertainty::NONE).iter().map(|film| film.took.wall).sum()
+    }
+
     /// Whether any film has random samples.
     pub fn is_random(&self) -> bool {
         self.random.contains(&true)
