@@ -61,7 +61,7 @@ fn stated_errors_of_denoised_frames_are_true() {
 
 /// Of 200 frames with a chance of 95 %, fewer than 180 are one case in 900.
 #[test]
-#[ignore = "takes minutes; cargo test --release --test integration over_200_seeds -- --ignored"]
+#[ignore = "takes minutes; cargo test --release --test integration frames_are_true_over_200_seeds -- --ignored"]
 fn stated_errors_of_denoised_frames_are_true_over_200_seeds() {
     hold_the_truth(&[(16, 0), (16, 3), (64, 1)], (200, 4096), 0.9);
 }

@@ -16,7 +16,7 @@ use crate::sequence::quality::NoiseTarget;
 use std::f64::consts::SQRT_2;
 
 /// Which of the blocks, in rows of `columns`, get twice the samples. None if the frame has reached its target.
-pub fn blocks_to_refine(
+pub(super) fn blocks_to_refine(
     blocks: &[Block],
     estimate: &ErrorEstimate,
     target: &NoiseTarget,
@@ -50,9 +50,17 @@ pub fn wanted(samples: &[f64], drawn: &[u32], most: u32, mut scale: f64) -> Vec<
     }
 }
 
-/// Adds the variances of blocks with a weighting, so that this share of all samples follows them. A block's number of
-/// samples is proportional to the root of the sum over its cost.
-pub fn mix(mixed: &mut [f64], variances: &[f64], costs: &[f64], share: f64) {
+/// Mixes the variances of blocks in the worst frame and in all frames: half of the samples follow each. A block's number
+/// of samples is proportional to the root of what is returned over its cost.
+pub fn of_frames(worst: &[f64], all: impl ExactSizeIterator<Item = Vec<f64>>, costs: &[f64]) -> Vec<f64> {
+    let (mut mixed, each) = (vec![0.0; worst.len()], 0.5 / all.len() as f64);
+    mix(&mut mixed, worst, costs, 0.5);
+    all.for_each(|frame| mix(&mut mixed, &frame, costs, each));
+    mixed
+}
+
+/// Adds the variances of a frame, so that this share of all samples follows them.
+fn mix(mixed: &mut [f64], variances: &[f64], costs: &[f64], share: f64) {
     let parts = variances.iter().zip(costs).map(|(variance, cost)| (variance * cost).sqrt());
     let work = parts.sum::<f64>();
     if work > 0.0 {
@@ -63,7 +71,12 @@ pub fn mix(mixed: &mut [f64], variances: &[f64], costs: &[f64], share: f64) {
 
 /// The samples per pixel that blocks will still take until the target, as a mean over the pixels, if the variances are what
 /// the samples show and no limit is in the way.
-pub fn samples_left(blocks: &[Block], estimate: &ErrorEstimate, target: &NoiseTarget, columns: usize) -> f64 {
+pub(super) fn samples_left(
+    blocks: &[Block],
+    estimate: &ErrorEstimate,
+    target: &NoiseTarget,
+    columns: usize,
+) -> f64 {
     let goal = target.error * target.error;
     let allocation = Allocation::new(blocks, estimate, columns);
     let scale = estimate.gain() * allocation.square / goal;
@@ -87,12 +100,8 @@ impl Allocation {
     fn new(blocks: &[Block], estimate: &ErrorEstimate, columns: usize) -> Self {
         let costs: Vec<f64> = blocks.iter().map(Block::cost).collect();
         let worst = variances(blocks, estimate, estimate.worst().0, columns);
-        let mut mixed = vec![0.0; blocks.len()];
-        mix(&mut mixed, &worst, &costs, 0.5);
-        let each = 0.5 / estimate.weightings() as f64;
-        for weighting in 0..estimate.weightings() {
-            mix(&mut mixed, &variances(blocks, estimate, weighting, columns), &costs, each);
-        }
+        let all = (0..estimate.weightings()).map(|frame| variances(blocks, estimate, frame, columns));
+        let mixed = of_frames(&worst, all, &costs);
         let samples: Vec<f64> = mixed.iter().zip(&costs).map(|(mixed, cost)| (mixed / cost).sqrt()).collect();
         let left = worst.iter().zip(&samples).filter(|(variance, _)| **variance > 0.0);
         Self { square: left.map(|(variance, samples)| variance / samples).sum(), samples }
@@ -104,26 +113,24 @@ fn variances(blocks: &[Block], estimate: &ErrorEstimate, weighting: usize, colum
     let pixels: f64 = blocks.iter().map(|block| f64::from(block.pixels())).sum();
     let own = |block: &Block| estimate.part(weighting, block, pixels) * f64::from(block.drawn());
     let own: Vec<f64> = blocks.iter().map(own).collect();
-    let around = neighbourhood_means(&own, columns);
-    own.iter().zip(&around).map(|(own, around)| (own + around) / 2.0).collect()
+    half_around(&own, |block| neighbourhood(block, columns, blocks.len()))
 }
 
-/// The mean of each number and its neighbours, at most eight.
-fn neighbourhood_means(all: &[f64], columns: usize) -> Vec<f64> {
-    let rows = all.len() / columns.max(1);
-    let near = |at: usize, end: usize| at.saturating_sub(1)..(at + 2).min(end);
-    let mean = |index: usize| {
-        let (row, column) = (index / columns, index % columns);
-        let (mut sum, mut count) = (0.0, 0.0);
-        for y in near(row, rows) {
-            for x in near(column, columns) {
-                sum += all[y * columns + x];
-                count += 1.0;
-            }
-        }
+/// Half each number, and half the mean of those near it, which `near` gives, itself included.
+pub fn half_around<N: IntoIterator<Item = usize>>(own: &[f64], near: impl Fn(usize) -> N) -> Vec<f64> {
+    let around = |place: usize| {
+        let numbers = near(place).into_iter().map(|other| own[other]);
+        let (sum, count) = numbers.fold((0.0, 0.0), |(sum, count), number| (sum + number, count + 1.0));
         sum / count
     };
-    (0..all.len()).map(mean).collect()
+    own.iter().enumerate().map(|(place, own)| (own + around(place)) / 2.0).collect()
+}
+
+/// A place among `all` in rows of `columns`, and those next to it, at most eight.
+fn neighbourhood(place: usize, columns: usize, all: usize) -> impl Iterator<Item = usize> {
+    let (row, column) = (place / columns, place % columns);
+    let near = |at: usize, end: usize| at.saturating_sub(1)..(at + 2).min(end);
+    near(row, all / columns).flat_map(move |y| near(column, columns).map(move |x| y * columns + x))
 }
 
 #[cfg(test)]
@@ -132,6 +139,10 @@ mod tests {
 
     #[test]
     fn neighbours_are_those_that_there_are() {
-        assert_eq!(neighbourhood_means(&[4.0, 0.0, 2.0, 8.0, 0.0, 4.0], 3), [3.0, 3.0, 1.5, 3.0, 3.0, 1.5]);
+        let own = [4.0, 0.0, 2.0, 8.0, 0.0, 4.0];
+        let mixed = half_around(&own, |place| neighbourhood(place, 3, own.len()));
+        let means = [3.0, 3.0, 1.5, 3.0, 3.0, 1.5];
+        let expected: Vec<f64> = own.iter().zip(means).map(|(own, mean)| (own + mean) / 2.0).collect();
+        assert_eq!(mixed, expected);
     }
 }

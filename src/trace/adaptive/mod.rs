@@ -8,14 +8,12 @@
 //! The error of a frame is its root mean square error over pixels and colours, relative to the mean of the frame. If a
 //! film serves several frames, it is sampled until the worst of them reaches the target.
 
-mod allocation;
+pub mod allocation;
 mod block;
 mod block_group;
 mod estimate;
 pub mod halves;
 mod layer_products;
-
-pub use allocation::{mix, wanted};
 
 use super::pixels::PixelTracer;
 use super::settings::{Moment, TraceSettings};

@@ -3,7 +3,7 @@
 use crate::base::clock::ElapsedTime;
 use crate::film::denoise::samples_of_audit;
 use crate::sequence::quality::{Denoise, NoiseTarget, Quality};
-use crate::trace::{MIN_SAMPLES, first_round, wanted};
+use crate::trace::{MIN_SAMPLES, allocation, first_round};
 
 /// Measurements of a film.
 #[derive(Clone, Debug)]
@@ -255,10 +255,10 @@ impl FilmNoise {
         part: f64,
         target: &NoiseTarget,
     ) -> Vec<bool> {
-        let mut falls = Falls::new(self.samples, self.power_of(uncertainty));
+        let mut decay = DecayTable::new(self.samples, self.power_of(uncertainty));
         let mut errors = 0.0;
         let roots = self.blocks.iter().zip(samples).map(|(block, &samples)| {
-            let known = falls.at(samples).min(1.0);
+            let known = decay.at(samples).min(1.0);
             let square = block.around.at(part, known);
             let root = (block.allocated.at(part, known) / (block.cost * block.share)).sqrt();
             errors += if square > 0.0 { square * self.samples / root } else { 0.0 };
@@ -266,15 +266,15 @@ impl FilmNoise {
         });
         let roots: Vec<f64> = roots.collect();
         let scale = self.scale(uncertainty) / (target.error * target.error) * errors;
-        wanted(&roots, samples, target.most, scale)
+        allocation::wanted(&roots, samples, target.most, scale)
     }
 
     fn with(&self, samples: &[u32], part: f64, uncertainty: Uncertainty) -> Allocated {
         let power = self.power_of(uncertainty);
-        let mut falls = Falls::new(self.samples, power);
+        let mut decay = DecayTable::new(self.samples, power);
         let mut all = Allocated { samples: 0.0, work: 0.0, most: 0.0, square: 0.0, missed: false };
         for (block, &samples) in self.blocks.iter().zip(samples) {
-            let fall = falls.at(samples);
+            let fall = decay.at(samples);
             let square = block.squares.at(part, fall.min(1.0));
             let samples = f64::from(samples);
             all.samples += block.share * samples;
@@ -303,13 +303,13 @@ impl FilmNoise {
 ///
 /// It is also what the sampler still knows of outliers: it gives their block more samples, which seldom meet another one,
 /// and forgets half of what it knew whenever they double.
-struct Falls {
+struct DecayTable {
     samples: f64,
     power: f64,
     found: Vec<(u32, f64)>,
 }
 
-impl Falls {
+impl DecayTable {
     fn new(samples: f64, power: f64) -> Self {
         Self { samples, power, found: Vec::new() }
     }

@@ -2,7 +2,7 @@
 
 use super::film::{BlockNoise, FilmNoise, PassEstimates};
 use crate::base::color::Rgb;
-use crate::trace::{BlockError, PilotBlocks, mix};
+use crate::trace::{BlockError, PilotBlocks, allocation};
 
 /// Results of all passes over a film so far.
 #[derive(Default)]
@@ -37,7 +37,7 @@ impl PassEstimates {
     }
 
     /// What was computed for a block.
-    fn of_place([last, before, regular, regular_before]: &[Vec<f64>; 4], place: usize) -> Self {
+    fn of_place([last, before, regular, regular_before]: &[&Vec<f64>; 4], place: usize) -> Self {
         Self { all: [last[place], before[place]], regular: [regular[place], regular_before[place]] }
     }
 
@@ -136,14 +136,13 @@ impl Passes {
         let rays = worst.mean(|block| block.rays);
         let cost = |block: &BlockError| (block.rays / rays).max(1e-3);
         let work: Vec<f64> = worst.blocks.iter().map(|block| cost(block) * block.pixels / pixels).collect();
-        let around = PassEstimates::for_each(|of| variances(worst, of, near));
-        let allocated = PassEstimates::for_each(|of| {
-            let mut mixed = vec![0.0; work.len()];
-            mix(&mut mixed, &variances(worst, of, near), &work, 0.5);
-            let share = 0.5 / self.weighted.len() as f64;
-            self.weighted.iter().for_each(|one| mix(&mut mixed, &variances(one, of, near), &work, share));
-            mixed
+        let estimates = PassEstimates::for_each(|of| {
+            let around = variances(worst, of, near);
+            let all = self.weighted.iter().map(|frame| variances(frame, of, near));
+            let mixed = allocation::of_frames(&around, all, &work);
+            [around, mixed]
         });
+        let [around, allocated] = [0, 1].map(|kind| estimates.each_ref().map(|both| &both[kind]));
         let blocks = worst.blocks.iter().enumerate().map(|(place, block)| {
             let share = block.pixels / pixels;
             BlockNoise {
@@ -177,8 +176,7 @@ fn variances(weighted: &WeightingErrors, of: Part, near: &[Vec<usize>]) -> Vec<f
     let unit = weighted.unit() * blocks.iter().map(|block| block.pixels).sum::<f64>();
     let own = |(block, apart): (&BlockError, &PassEstimates)| of(apart) * block.pixels / unit;
     let own: Vec<f64> = blocks.iter().zip(apart).map(own).collect();
-    let around = |near: &Vec<usize>| near.iter().map(|place| own[*place]).sum::<f64>() / near.len() as f64;
-    own.iter().zip(near).map(|(own, near)| (own + around(near)) / 2.0).collect()
+    allocation::half_around(&own, |place| near[place].iter().copied())
 }
 
 #[cfg(test)]
