@@ -14,39 +14,54 @@ pub struct LocalFrame<F> {
 /// The cosine above which a direction is too close to an axis: its component perpendicular to the axis loses digits.
 const NEAR: f64 = 0.99;
 
-impl<F: Real> LocalFrame<F> {
-    /// The frame around the unit vector `z` that results from the smallest rotation of the coordinate axes.
+/// What frames are turned from: a unit vector z, and an x axis of any length that is nearly perpendicular to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameAxes<F> {
+    pub x: Vec3<F>,
+    pub z: Vec3<F>,
+}
+
+impl<F: Real> FrameAxes<F> {
+    /// Two of the coordinate axes.
     #[inline(always)]
-    pub fn from_z(z: Vec3<F>) -> Self {
-        Self::identity().rotated_to(z)
+    pub fn identity() -> Self {
+        Self { x: Vec3::splat(DVec3::X), z: Vec3::splat(DVec3::Z) }
     }
 
+    /// The axes around the unit vector `z` whose x axis is as close as possible to `first`, one of two orthogonal
+    /// unit vectors. They turn smoothly with `z`. If `z` is close to `first`, `second` replaces `first`.
+    #[inline(always)]
+    pub fn from_z_near_x(z: Vec3<F>, [first, second]: [DVec3; 2]) -> Self {
+        let (first, second) = (Vec3::splat(first), Vec3::splat(second));
+        let near = F::splat(NEAR).lt(first.dot(z).abs());
+        let axis = Vec3::select(near, second, first);
+        Self { x: axis - z * axis.dot(z), z }
+    }
+
+    /// The frame after the smallest rotation that moves the z axis to the unit vector `z`. It turns smoothly with `z`,
+    /// unless `z` is opposite to the old z axis. So samples around neighbouring normals stay stratified.
+    #[inline(always)]
+    pub fn rotated_to(&self, z: Vec3<F>) -> LocalFrame<F> {
+        let one = F::splat(1.0);
+        let apart = one + self.z.dot(z);
+        let share = self.x.dot(z) / apart;
+        let opposite = apart.lt(F::splat(f64::EPSILON));
+        let turned = self.x - (self.z + z) * share;
+        LocalFrame::of_axes(Vec3::select(opposite, self.x, turned), z)
+    }
+}
+
+impl<F: Real> LocalFrame<F> {
     /// The frame of the coordinate axes.
     #[inline(always)]
     pub fn identity() -> Self {
         Self { x: Vec3::splat(DVec3::X), y: Vec3::splat(DVec3::Y), z: Vec3::splat(DVec3::Z) }
     }
 
-    /// The frame around the unit vector `z` whose x axis is as close as possible to `first`, one of two orthogonal
-    /// unit vectors. It turns smoothly with `z`. If `z` is close to `first`, `second` replaces `first`.
+    /// The frame around the unit vector `z` that results from the smallest rotation of the coordinate axes.
     #[inline(always)]
-    pub fn from_z_near_x(z: Vec3<F>, [first, second]: [DVec3; 2]) -> Self {
-        let (first, second) = (Vec3::splat(first), Vec3::splat(second));
-        let near = F::splat(NEAR).lt(first.dot(z).abs());
-        let axis = Vec3::select(near, second, first);
-        Self::of_axes(axis - z * axis.dot(z), z)
-    }
-
-    /// This frame after the smallest rotation that moves its z axis to the unit vector `z`. The result turns smoothly
-    /// with `z`, unless `z` is opposite to the old z axis. So samples around neighbouring normals stay stratified.
-    #[inline(always)]
-    pub fn rotated_to(&self, z: Vec3<F>) -> Self {
-        let one = F::splat(1.0);
-        let apart = one + self.z.dot(z);
-        let share = self.x.dot(z) / apart;
-        let opposite = apart.lt(F::splat(f64::EPSILON));
-        let turned = self.x - (self.z + z) * share;
-        Self::of_axes(Vec3::select(opposite, self.x, turned), z)
+    pub fn from_z(z: Vec3<F>) -> Self {
+        FrameAxes::identity().rotated_to(z)
     }
 
     /// The frame of the unit vector `z` and a vector `x` that is nearly perpendicular to it.
@@ -94,12 +109,18 @@ mod tests {
 
     const AXES: [DVec3; 2] = [DVec3::X, DVec3::Y];
 
+    fn axes_of(frame: &LocalFrame<f64>) -> FrameAxes<f64> {
+        FrameAxes { x: frame.x, z: frame.z }
+    }
+
     /// Checks every constructor of a frame around a direction.
     fn assert_all(z: DVec3, other: DVec3) {
         assert_orthonormal(&LocalFrame::from_z(z.into()));
-        let along = LocalFrame::from_z_near_x(z.into(), AXES);
+        let axes = FrameAxes::from_z_near_x(z.into(), AXES);
+        let along = axes.rotated_to(z.into());
         assert_orthonormal(&along);
-        assert_orthonormal(&along.rotated_to(other.into()));
+        assert_orthonormal(&axes.rotated_to(other.into()));
+        assert_orthonormal(&axes_of(&along).rotated_to(other.into()));
     }
 
     /// Directions at 10^-17 to 0.1 radians from another one.
@@ -140,12 +161,12 @@ mod tests {
             let frame = LocalFrame::from_z(random.direction().normalize().into());
             let z = DVec3::from(frame.z);
             for other in next_to(-z).chain([-z, z]) {
-                assert_orthonormal(&frame.rotated_to(other.into()));
+                assert_orthonormal(&axes_of(&frame).rotated_to(other.into()));
             }
         }
-        let mut frame = LocalFrame::from_z_near_x(DVec3::Z.into(), AXES);
+        let mut frame = LocalFrame::from_z(DVec3::Z.into());
         for _ in 0..100_000 {
-            frame = frame.rotated_to(random.direction().normalize().into());
+            frame = axes_of(&frame).rotated_to(random.direction().normalize().into());
             assert_orthonormal(&frame);
         }
     }
@@ -156,7 +177,7 @@ mod tests {
         let mut random = Random(5);
         let step = 1e-6;
         for _ in 0..100_000 {
-            let from = LocalFrame::from_z(random.direction().normalize().into());
+            let from = axes_of(&LocalFrame::from_z(random.direction().normalize().into()));
             let z = random.direction().normalize();
             let near = (z + random.point(step)).normalize();
             let [a, b] = [z, near].map(|z| DVec3::from(from.rotated_to(z.into()).x));
@@ -173,11 +194,11 @@ mod tests {
         let mut random = Random(4);
         for _ in 0..100_000 {
             let to_eye = (random.point(0.6) + DVec3::Z * 2.0).normalize();
-            let frame = LocalFrame::from_z_near_x(to_eye.into(), AXES);
+            let axes = FrameAxes::from_z_near_x(to_eye.into(), AXES);
             let normal = random.direction();
             let normal = if normal.dot(to_eye) < 0.0 { -normal } else { normal };
             let beside = (normal + random.direction() * 0.004).normalize();
-            let [a, b] = [normal, beside].map(|normal| DVec3::from(frame.rotated_to(normal.into()).x));
+            let [a, b] = [normal, beside].map(|normal| DVec3::from(axes.rotated_to(normal.into()).x));
             assert!((a - b).length() < 0.02, "{normal}: {a} and {b}");
         }
     }

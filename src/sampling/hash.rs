@@ -11,7 +11,19 @@ pub fn hash(words: [u32; 3]) -> u32 {
 /// [`hash`] of each lane.
 #[inline(always)]
 pub fn hash_lanes<U: Bits>([a, b, c]: [U; 3]) -> U {
-    mix(mix(mix(U::splat(0x9e37_79b9), a), b), c)
+    hash_from(hash_start(a), [b, c])
+}
+
+/// The state of a hash after the first of its numbers. Hashes that start alike compute it once.
+#[inline(always)]
+pub fn hash_start<U: Bits>(first: U) -> U {
+    mix(U::splat(0x9e37_79b9), first)
+}
+
+/// The hash that started with `state`, after two more numbers.
+#[inline(always)]
+pub fn hash_from<U: Bits>(state: U, [b, c]: [U; 2]) -> U {
+    mix(mix(state, b), c)
 }
 
 #[inline(always)]

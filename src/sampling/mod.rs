@@ -11,7 +11,7 @@ mod sampler;
 mod sobol;
 mod warp;
 
-pub use frame::LocalFrame;
+pub use frame::{FrameAxes, LocalFrame};
 pub use hash::{hash, hash_lanes};
 pub use lattice::RankOneLattice;
 pub use sampler::{LaneSampler, PixelSampler, Sampler, SamplerKind, dimension};

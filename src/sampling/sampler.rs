@@ -5,7 +5,7 @@
 //! samples of a pixel: they are points of an Owen-scrambled Sobol sequence (Burley, *Practical Hash-based Owen
 //! Scrambling*, 2020), four coordinates at a time. Different dimensions are scrambled independently.
 
-use super::hash::{hash, hash_lanes};
+use super::hash::{hash, hash_from, hash_lanes, hash_start};
 use super::sobol;
 use crate::base::digest::Content;
 use crate::base::lanes::{LaneKernel, Level, Real, Row};
@@ -52,7 +52,7 @@ pub struct PixelSampler(u32, SamplerKind);
 /// The random numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampler {
-    pixel: u32,
+    start: u32,
     sample: u32,
     kind: SamplerKind,
 }
@@ -74,7 +74,7 @@ impl PixelSampler {
     /// The random numbers of one sample of the pixel.
     pub fn sample(self, sample: u32) -> Sampler {
         let pixel = if sample < RUN_LENGTH { self.0 } else { hash([self.0, sample / RUN_LENGTH, 0]) };
-        Sampler { pixel, sample: sample % RUN_LENGTH, kind: self.1 }
+        Sampler { start: hash_start(pixel), sample: sample % RUN_LENGTH, kind: self.1 }
     }
 
     /// The one of `count` equal parts of a time interval that a sample sees: the radical inverse of its number (van
@@ -86,9 +86,9 @@ impl PixelSampler {
 }
 
 impl Sampler {
-    /// The hash of the pixel, on which its random numbers depend.
-    pub fn pixel(&self) -> u32 {
-        self.pixel
+    /// The start of all hashes of the pixel, on which its random numbers depend.
+    pub fn start(&self) -> u32 {
+        self.start
     }
 
     /// The index of the sample in its run, below 2^16.
@@ -98,14 +98,15 @@ impl Sampler {
 
     /// The sampler of one lane.
     pub fn lanes(&self) -> LaneSampler<f64> {
-        LaneSampler { pixel: self.pixel, sample: self.sample, kind: self.kind }
+        LaneSampler { start: self.start, sample: self.sample, kind: self.kind }
     }
 }
 
 /// The random numbers of one sample in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneSampler<F: Real> {
-    pub pixel: F::U32,
+    /// The start of all hashes of the pixel.
+    pub start: F::U32,
     pub sample: F::U32,
     pub kind: SamplerKind,
 }
@@ -128,8 +129,8 @@ impl<F: Real, const N: usize> LaneKernel<F::Level> for Numbers<'_, F, N> {
 
     #[inline(always)]
     fn run(self) -> [F; N] {
-        let LaneSampler { pixel, sample, kind } = *self.sampler;
-        let seed = hash_lanes([pixel, self.of, F::U32::splat(0)]);
+        let LaneSampler { start, sample, kind } = *self.sampler;
+        let seed = hash_from(start, [self.of, F::U32::splat(0)]);
         match kind {
             SamplerKind::Sobol => sobol::point::<F, N>(sample, seed),
             SamplerKind::Independent => {

@@ -1,14 +1,20 @@
 //! Four dimensions of Owen-scrambled Sobol points, in lanes. The points are those of the crate `sobol_burley`. That
-//! crate processes an index bit by bit; this module looks up one table entry per byte.
+//! crate processes an index bit by bit; this module computes the first two dimensions of all bits at once, and looks up
+//! one table entry per byte for the others.
 
 use crate::base::lanes::{Bits, Real, Row};
 use sobol_burley::parts::sobol_int4_rev;
 use std::sync::LazyLock;
 
-/// The points of bit-reversed indices in which only the highest byte, or only the next byte, is not zero. Points are
-/// linear over the bits of the index, so the points of the bytes combine by exclusive or.
-static POINTS: LazyLock<[[[u32; 4]; 256]; 2]> = LazyLock::new(|| {
-    [24, 16].map(|shift| std::array::from_fn(|byte| sobol_int4_rev((byte as u32) << shift, 0).into()))
+/// The last two dimensions of the points of bit-reversed indices in which only the highest byte, or only the next byte,
+/// is not zero. Points are linear over the bits of the index, so the points of the bytes combine by exclusive or.
+static POINTS: LazyLock<[[[u32; 2]; 256]; 2]> = LazyLock::new(|| {
+    [24, 16].map(|shift| {
+        std::array::from_fn(|byte| {
+            let [_, _, third, fourth] = sobol_int4_rev((byte as u32) << shift, 0).into();
+            [third, fourth]
+        })
+    })
 });
 
 /// The constants by which the crate scrambles indices and dimensions.
@@ -20,22 +26,49 @@ const SPREAD: u32 = 0x9c8f_2d3b;
 /// seed)`, with all 32 bits of each.
 #[inline(always)]
 pub fn point<F: Real, const N: usize>(sample: F::U32, seed: F::U32) -> [F; N] {
-    let [high, low] = &*POINTS;
-    let index = owen_scrambled(sample.reverse_bits(), mixed(seed.xor(F::U32::splat(INDEX)))).to_array();
+    let index = owen_scrambled(sample.reverse_bits(), mixed(seed.xor(F::U32::splat(INDEX))));
     let spread = seed.wrapping_mul(F::U32::splat(SPREAD));
     let mut point = [F::splat(0.0); N];
     for dimension in 0..N {
-        let mut row = F::U32::splat(0).to_array();
-        for lane in 0..F::LANES {
-            let index = index[lane];
-            let (high, low) = (&high[(index >> 24) as usize], &low[(index >> 16 & 0xff) as usize]);
-            row[lane] = high[dimension] ^ low[dimension];
-        }
+        let row = match dimension {
+            0 => first(index),
+            1 => second(index),
+            _ => looked_up::<F>(index, dimension - 2),
+        };
         let scramble = mixed(spread.xor(F::U32::splat(DIMENSIONS[dimension])));
-        let scrambled = owen_scrambled(F::U32::from_array(row), scramble).reverse_bits();
-        point[dimension] = in_unit_interval(scrambled);
+        point[dimension] = in_unit_interval(owen_scrambled(row, scramble).reverse_bits());
     }
     point
+}
+
+/// The first dimension of the points of bit-reversed indices, bit-reversed: the radical inverse of van der Corput.
+#[inline(always)]
+fn first<U: Bits>(index: U) -> U {
+    index.reverse_bits().and(U::splat(0xffff))
+}
+
+/// The second dimension of the points of bit-reversed indices, bit-reversed. Bit j is the exclusive or of those bits k
+/// of the index for which the binomial coefficient of k over j is odd: by Lucas, those that contain all bits of j. So
+/// the bits of k are cleared one after the other.
+#[inline(always)]
+fn second<U: Bits>(index: U) -> U {
+    let n = first(index);
+    let n = n.xor(n.shr::<1>().and(U::splat(0x5555)));
+    let n = n.xor(n.shr::<2>().and(U::splat(0x3333)));
+    let n = n.xor(n.shr::<4>().and(U::splat(0x0f0f)));
+    n.xor(n.shr::<8>())
+}
+
+/// One of the last two dimensions of the points of bit-reversed indices, bit-reversed.
+#[inline(always)]
+fn looked_up<F: Real>(index: F::U32, dimension: usize) -> F::U32 {
+    let ([high, low], index) = (&*POINTS, index.to_array());
+    let mut row = F::U32::splat(0).to_array();
+    for lane in 0..F::LANES {
+        let index = index[lane];
+        row[lane] = high[(index >> 24) as usize][dimension] ^ low[(index >> 16 & 0xff) as usize][dimension];
+    }
+    F::U32::from_array(row)
 }
 
 /// Converts 32 bits to a number in 0..1.

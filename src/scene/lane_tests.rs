@@ -11,7 +11,7 @@ use crate::geometry::shape::{
     Cone, Cuboid, Cylinder, Disk, Mesh, Operation, Particles, Plane, PreparedRay, RayInterval, Rectangle,
     Shape, ShapeHit, Solid, Sphere, Surface, Torus, Triangle,
 };
-use crate::sampling::LocalFrame;
+use crate::sampling::FrameAxes;
 use crate::testing::{Random, eight_rays, eight_vectors};
 use std::sync::Arc;
 
@@ -139,7 +139,7 @@ fn draw<F: Real>(
     [from, to_eye]: [Vec3<F>; 2],
     [u, v]: [F; 2],
 ) -> Vec<LightSampleResult> {
-    let eye = LocalFrame::from_z_near_x(to_eye, [DVec3::X, DVec3::Y]);
+    let eye = FrameAxes::from_z_near_x(to_eye, [DVec3::X, DVec3::Y]);
     let (surface, part, pdf) = primitive.sample_from(from, &eye, u, v);
     let density = primitive.pdf_from(from, &surface).to_array();
     let (surfaces, parts, pdf) = (surface.store(), part.to_array(), pdf.to_array());

@@ -10,7 +10,7 @@ use crate::geometry::ray_kinds::{RayKind, RayKinds};
 use crate::geometry::shape::{
     LaneHit, LaneSurface, PreparedRay, RayInterval, Shape, ShapeHit, Surface, TriangleLanes,
 };
-use crate::sampling::LocalFrame;
+use crate::sampling::FrameAxes;
 
 /// A shape in the world. Most shapes are transformed once ([`Shape::transformed`]). The others keep their own space,
 /// and rays are moved into it.
@@ -226,7 +226,7 @@ impl Primitive {
     pub fn sample_from<F: Real>(
         &self,
         from: Vec3<F>,
-        eye: &LocalFrame<F>,
+        eye: &FrameAxes<F>,
         u: F,
         v: F,
     ) -> (LaneSurface<F>, F::U32, F) {
@@ -285,7 +285,7 @@ out_of_line! {
     fn sample<'k, F>(
         primitive: &'k Primitive,
         from: Vec3<F>,
-        eye: &'k LocalFrame<F>,
+        eye: &'k FrameAxes<F>,
         u: F,
         v: F,
     ) -> (LaneSurface<F>, F::U32, F) {

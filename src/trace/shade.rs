@@ -21,7 +21,7 @@ use crate::base::lanes::{Bits, Color, Lookup, Mask, Real, Row, lanes};
 use crate::base::math::LaneRay;
 use crate::base::stats::Counts;
 use crate::camera::RayCone;
-use crate::sampling::{LaneSampler, LocalFrame, dimension};
+use crate::sampling::{FrameAxes, LaneSampler, dimension};
 
 /// The state of a wave: inputs of its stages, and the streams to which they append.
 pub struct WaveState<'a> {
@@ -48,13 +48,15 @@ pub struct ShadingContext<F: Real> {
     pub surface: SurfaceInteraction<F>,
     pub lobes: LobeSet,
     pub interface: Interface<F>,
-    /// The frame around the direction to the eye.
-    pub eye: LocalFrame<F>,
+    /// The axes around the direction to the eye.
+    pub eye: FrameAxes<F>,
     /// Lanes at a final surface, which reflects and refracts no light. It may only emit light or let it pass straight
     /// on.
     pub is_final: F::Mask,
     /// The random numbers of the paths, if the scene needs any.
     sampler: LaneSampler<F>,
+    /// Their key, if it is the same for all paths.
+    common_key: Option<u32>,
 }
 
 impl<F: Real> ShadingContext<F> {
@@ -76,16 +78,26 @@ impl<F: Real> ShadingContext<F> {
         let to_eye = -path.ray.direction;
         // Only samples need frames.
         let eye = match context.is_random {
-            true => LocalFrame::from_z_near_x(to_eye, context.picture_axes),
-            false => LocalFrame { z: to_eye, ..LocalFrame::identity() },
+            true => FrameAxes::from_z_near_x(to_eye, context.picture_axes),
+            false => FrameAxes { z: to_eye, ..FrameAxes::identity() },
         };
         let is_final = path.bounces_left.eq(F::U32::splat(0));
         let points = context.quality.points;
         let sampler = match context.is_random {
             true => wave.samples.sampler(path.slot, points),
-            false => LaneSampler { pixel: path.key, sample: path.key, kind: points },
+            false => LaneSampler { start: path.key, sample: path.key, kind: points },
         };
-        Self { active, path, surface, lobes, interface, eye, is_final, sampler }
+        Self {
+            active,
+            path,
+            surface,
+            lobes,
+            interface,
+            eye,
+            is_final,
+            sampler,
+            common_key: wave.paths.common_key(),
+        }
     }
 
     /// The lobes at the points.
@@ -132,7 +144,11 @@ impl<F: Real> ShadingContext<F> {
     /// The first N random numbers of a sample dimension at these surfaces.
     #[inline(always)]
     pub fn numbers<const N: usize>(&self, of: u32, index: u32) -> [F; N] {
-        self.sampler.numbers(dimension::at_surface(of, self.path.key, index))
+        let dimension = match self.common_key {
+            Some(key) => F::U32::splat(dimension::at_surface(of, key, index)),
+            None => dimension::at_surface(of, self.path.key, index),
+        };
+        self.sampler.numbers(dimension)
     }
 
     /// The ray cones of rays that leave the surfaces, as if the surfaces were flat.

@@ -198,6 +198,12 @@ impl PathStream {
         self.depth = depth;
     }
 
+    /// The key of the random numbers of all paths, if it is the same for all.
+    #[inline(always)]
+    pub fn common_key(&self) -> Option<u32> {
+        (!self.columns.keys).then_some(self.depth)
+    }
+
     pub fn depth(&self) -> u32 {
         self.depth
     }

@@ -9,7 +9,7 @@ use crate::base::color::Rgb;
 use crate::base::math::{DVec2, DVec3, Ray};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::Geometric;
-use crate::sampling::{LocalFrame, cosine_hemisphere, hash, uniform_sphere};
+use crate::sampling::{FrameAxes, LocalFrame, cosine_hemisphere, hash, uniform_sphere};
 use crate::scene::Finish;
 use crate::trace::spawn::spawn_ray;
 use std::f64::consts::PI;
@@ -301,7 +301,7 @@ impl SceneRays<'_> {
                 LightPoint { point: at + *to_light * self.far(), per_area: 1.0 }
             }
             Source::Sphere(sphere) => {
-                let (surface, _, pdf) = sphere.sample_from(at.into(), &LocalFrame::<f64>::identity(), u, v);
+                let (surface, _, pdf) = sphere.sample_from(at.into(), &FrameAxes::<f64>::identity(), u, v);
                 let per_area = if pdf > 0.0 { 1.0 / (PI * pdf) } else { 0.0 };
                 LightPoint { point: surface.point.into(), per_area }
             }

@@ -6,7 +6,7 @@ use super::number::{Float, Number, Vector3};
 use crate::base::math::exact::Exact;
 use crate::base::math::{Angle, DVec3};
 use crate::geometry::shape::{Geometric, Sphere};
-use crate::sampling::LocalFrame;
+use crate::sampling::{FrameAxes, LocalFrame};
 
 type Axes<R> = [Vector3<R>; 3];
 
@@ -102,7 +102,7 @@ fn small_lights(workload: Workload) -> Case {
         stable_pdf(at, std::f32::consts::TAU)
     }
     fn ours(at: &DistantLight<f64>) -> f64 {
-        let eye = LocalFrame::identity();
+        let eye = FrameAxes::identity();
         let (_, _, pdf) = at.light.sample_from(DVec3::ZERO.into(), &eye, 0.5, 0.5);
         pdf
     }

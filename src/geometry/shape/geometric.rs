@@ -6,7 +6,7 @@ use crate::base::digest::Content;
 use crate::base::lanes::{Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay, Ray, max};
 use crate::geometry::bvh::TraversalRay;
-use crate::sampling::LocalFrame;
+use crate::sampling::FrameAxes;
 
 /// A shape in its own space. Its formulas are generic over the number of lanes: rays, points or random numbers in
 /// lanes, and one shape.
@@ -86,13 +86,13 @@ pub trait Geometric: Clone + PartialEq + Content {
     }
 
     /// Samples points that `from` may see. Returns the points, their parts and their densities per steradian at
-    /// `from`; 0 if no point is visible. Directions are sampled in the frame `eye`, which varies smoothly from point
+    /// `from`; 0 if no point is visible. Directions are sampled in a frame turned from the axes `eye`, which vary smoothly from point
     /// to point.
     #[inline(always)]
     fn sample_from<F: Real>(
         &self,
         from: Vec3<F>,
-        eye: &LocalFrame<F>,
+        eye: &FrameAxes<F>,
         u: F,
         v: F,
     ) -> (LaneSurface<F>, F::U32, F) {

@@ -71,7 +71,7 @@ use crate::base::lanes::{Level, Mask, Real, Row, Vec3};
 use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay, Ray};
 use crate::geometry::bvh::{Stack, TraversalRay};
 use crate::geometry::mesh::ArrayKey;
-use crate::sampling::LocalFrame;
+use crate::sampling::FrameAxes;
 use bevy_ecs::component::Component;
 
 /// Declares [`Shape`] with the dispatch to all visible shapes.
@@ -308,7 +308,7 @@ impl Shape {
     pub fn sample_from<F: Real>(
         &self,
         from: Vec3<F>,
-        eye: &LocalFrame<F>,
+        eye: &FrameAxes<F>,
         u: F,
         v: F,
     ) -> (LaneSurface<F>, F::U32, F) {

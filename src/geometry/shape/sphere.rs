@@ -5,7 +5,7 @@ use super::{Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterva
 use crate::base::digest::Content;
 use crate::base::lanes::{Mask, Real, Row, Select, Vec3};
 use crate::base::math::{Aabb, Angle, DAffine3, DVec2, DVec3, LaneRay, atan2, gamma};
-use crate::sampling::{self, LocalFrame, uniform_sphere};
+use crate::sampling::{self, FrameAxes, uniform_sphere};
 use std::f64::consts::{PI, TAU};
 
 /// Where texture maps of the sphere begin, in radians from -x towards -z. This keeps the images of scenes from earlier
@@ -95,7 +95,7 @@ impl Geometric for Sphere {
     fn sample_from<F: Real>(
         &self,
         from: Vec3<F>,
-        eye: &LocalFrame<F>,
+        eye: &FrameAxes<F>,
         u: F,
         v: F,
     ) -> (LaneSurface<F>, F::U32, F) {
@@ -195,7 +195,7 @@ impl<F: Real> SphereLanes<F> {
     /// From outside, uniform over the cone of directions to the sphere, so every sampled point is visible (Pharr,
     /// Jakob, Humphreys, *Physically Based Rendering*, 6.2.4). From inside, uniform over the area.
     #[inline(always)]
-    pub fn sample_from(&self, from: Vec3<F>, eye: &LocalFrame<F>, u: F, v: F) -> (LaneSurface<F>, F) {
+    pub fn sample_from(&self, from: Vec3<F>, eye: &FrameAxes<F>, u: F, v: F) -> (LaneSurface<F>, F) {
         let zero = F::splat(0.0);
         let (cone, is_outside) = self.cone_from(from);
         let to_center = self.center - from;

@@ -24,7 +24,7 @@ use super::materials::{Column, LobeSet, LobeTable};
 use crate::appearance::optics::reflect;
 use crate::base::lanes::{Color, Lookup, Real, Row, Select, Single, Vec3, out_of_line};
 use crate::geometry::shape::LaneSurface;
-use crate::sampling::LocalFrame;
+use crate::sampling::{FrameAxes, LocalFrame};
 use metallic::Metallic;
 
 /// The lobes at a point of a surface, in each lane.
@@ -130,7 +130,7 @@ out_of_line! {
 }
 
 impl<'a, F: Real> Bsdf<'a, F> {
-    /// Gathers the lobes from rows of a table. `eye` is the frame around the direction to the eye. Frames around
+    /// Gathers the lobes from rows of a table. `eye` holds the axes around the direction to the eye. Frames around
     /// normals are built only if samples need them.
     #[inline(always)]
     pub fn gather(
@@ -138,7 +138,7 @@ impl<'a, F: Real> Bsdf<'a, F> {
         (table, at): (&LobeTable, &Lookup),
         shininess: Shininess<F>,
         ior: F,
-        (surface, eye, is_sampled): (&'a LaneSurface<F>, &LocalFrame<F>, bool),
+        (surface, eye, is_sampled): (&'a LaneSurface<F>, &FrameAxes<F>, bool),
     ) -> Self {
         let to_eye = eye.z;
         let faces = F::splat(0.0).lt(surface.shading.dot(to_eye));
@@ -157,7 +157,7 @@ impl<'a, F: Real> Bsdf<'a, F> {
             // Without samples, the other axes are not used.
             frame: match is_sampled && lobes.has(LobeSet::SAMPLED) {
                 true => eye.rotated_to(normal),
-                false => LocalFrame { z: normal, ..*eye },
+                false => LocalFrame { z: normal, ..LocalFrame::identity() },
             },
             diffuse: rows.color(LobeSet::DIFFUSE, Column::DIFFUSE),
             specular: rows.color(highlights, Column::SPECULAR),

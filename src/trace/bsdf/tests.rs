@@ -34,7 +34,7 @@ fn with_bsdf<R>(material: &Material, to_eye: DVec3, use_it: impl FnOnce(&Bsdf<f6
     let table = LobeTable::new([&material.lobes].into_iter());
     let lobes = LobeSet::of(material);
     let shininess = Shininess::gather(|_| material.shininess);
-    let eye = LocalFrame::from_z_near_x(to_eye.into(), [DVec3::X, DVec3::Y]);
+    let eye = FrameAxes::from_z_near_x(to_eye.into(), [DVec3::X, DVec3::Y]);
     let rows = (&table, &Lookup::run(0, 1));
     use_it(&Bsdf::gather(lobes, rows, shininess, material.medium.ior, (&surface, &eye, true)))
 }

@@ -19,15 +19,15 @@ use super::spawn::{spawn, spawn_lifted};
 use crate::base::lanes::{Color, Mask, Real, Select, Vec3};
 use crate::base::math::{DVec3, LaneRay};
 use crate::geometry::shape::LaneSurface;
-use crate::sampling::LocalFrame;
+use crate::sampling::FrameAxes;
 use std::f64::consts::PI;
 
 /// The points that receive light.
 #[derive(Clone, Copy)]
 pub struct Receiver<'a, F> {
     pub point: Vec3<F>,
-    /// The frame around the direction to the eye.
-    pub eye: &'a LocalFrame<F>,
+    /// The axes around the direction to the eye.
+    pub eye: &'a FrameAxes<F>,
     /// The largest rounding error of a point of any surface, as a length.
     pub rounding: f64,
 }
