@@ -14,7 +14,7 @@ mod warp;
 pub use frame::{FrameAxes, LocalFrame};
 pub use hash::{hash, hash_lanes};
 pub use lattice::RankOneLattice;
-pub use sampler::{LaneSampler, PixelSampler, Sampler, SamplerKind, dimension};
+pub use sampler::{LaneSampler, PixelSampler, Sampler, SamplerKind, TimePart, dimension};
 pub use warp::{
     cone, cone_pdf, cosine_hemisphere, cosine_hemisphere_pdf, direction_at_height, disk, uniform_ball,
     uniform_sphere,

@@ -9,6 +9,7 @@ use super::hash::{hash, hash_from, hash_lanes, hash_start};
 use super::sobol;
 use crate::base::digest::Content;
 use crate::base::lanes::{LaneKernel, Level, Real, Row};
+use std::ops::Range;
 
 /// The uses of random numbers. Different uses never share numbers.
 pub mod dimension {
@@ -80,8 +81,56 @@ impl PixelSampler {
     /// The one of `count` equal parts of a time interval that a sample sees: the radical inverse of its number (van
     /// der Corput) with a random shift. So even few samples are spread over the interval.
     pub fn part_of_time(self, sample: u32, count: u32) -> u32 {
-        let fraction = sample.reverse_bits() ^ self.0.wrapping_mul(0x9e37_79b9);
+        let fraction = sample.reverse_bits() ^ self.time_shift();
         ((u64::from(fraction) * u64::from(count)) >> 32) as u32
+    }
+
+    fn time_shift(self) -> u32 {
+        self.0.wrapping_mul(0x9e37_79b9)
+    }
+}
+
+/// One of `count` equal parts of a time interval.
+///
+/// Its samples are found without trying all. The part is an interval of the fractions in
+/// [`PixelSampler::part_of_time`]. Of 2^k cells, with the smallest k for which there are at least as many cells as parts,
+/// it touches at most three. The first k bits of a fraction are its cell, and are the last k bits of the sample's number,
+/// in reverse and shifted.
+#[derive(Clone, Copy, Debug)]
+pub struct TimePart {
+    part: u32,
+    count: u32,
+    bits: u32,
+    first_cell: u64,
+    cells: usize,
+}
+
+impl TimePart {
+    /// The part with this index.
+    pub fn new(part: u32, count: u32) -> Self {
+        let bits = u32::BITS - count.saturating_sub(1).leading_zeros();
+        let start_of = |part: u64| (part << 32).div_ceil(u64::from(count));
+        let [first_cell, last_cell] = [start_of(part.into()), start_of(u64::from(part) + 1) - 1]
+            .map(|fraction| fraction >> (32 - bits));
+        Self { part, count, bits, first_cell, cells: (last_cell - first_cell + 1) as usize }
+    }
+
+    /// The samples of a pixel in a range that see this part, ascending.
+    pub fn samples(self, pixel: PixelSampler, range: Range<u32>) -> impl Iterator<Item = u32> {
+        let (start, end) = (u64::from(range.start), u64::from(range.end));
+        let (stride, mut firsts) = (1u64 << self.bits, [u64::MAX; 3]);
+        for (cell, first) in (self.first_cell..).zip(&mut firsts[..self.cells]) {
+            let fraction = (cell << (32 - self.bits)) as u32 ^ pixel.time_shift();
+            // The first number of the range with these last bits.
+            let last_bits = u64::from(fraction.reverse_bits());
+            *first = start + (last_bits.wrapping_sub(start) & (stride - 1));
+        }
+        firsts.sort_unstable();
+        let rounds = (0..end).step_by(stride as usize);
+        let tried =
+            rounds.flat_map(move |round| firsts.into_iter().take(self.cells).map(move |first| first + round));
+        let tried = tried.take_while(move |number| *number < end).map(|number| number as u32);
+        tried.filter(move |number| pixel.part_of_time(*number, self.count) == self.part)
     }
 }
 
@@ -176,6 +225,22 @@ mod tests {
             let parts: std::collections::HashSet<_> =
                 (0..samples).map(|sample| pixel.part_of_time(sample, parts)).collect();
             assert_eq!(parts.len() as u32, samples.min(32), "{samples} samples");
+        }
+    }
+
+    #[test]
+    fn samples_are_found_by_their_part_of_time() {
+        for count in [1, 2, 3, 5, 7, 8, 16, 31, 32, 33, 100, 1024, 1500] {
+            for (pixel, samples) in [((0, 0), 0..64), ((5, 3), 17..200), ((8, 1), 3..3), ((2, 9), 1000..5001)]
+            {
+                let pixel = PixelSampler::new(pixel, 4);
+                for part in (0..count).filter(|part| count < 50 || part % 37 == 0 || part + 1 == count) {
+                    let all: Vec<_> =
+                        samples.clone().filter(|sample| pixel.part_of_time(*sample, count) == part).collect();
+                    let found: Vec<_> = TimePart::new(part, count).samples(pixel, samples.clone()).collect();
+                    assert_eq!(found, all, "{part} of {count}, {samples:?}");
+                }
+            }
         }
     }
 
