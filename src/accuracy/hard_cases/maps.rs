@@ -179,7 +179,7 @@ fn seam(workload: Workload) -> Option<Case> {
         at.sides.map(|side| clamped(&at.maps.0, side))
     }
     fn ours(at: &EdgeDirections<f64>) -> [f64; 2] {
-        at.sides.map(|side| at.maps.1.radiance(side.wide()).x.into())
+        at.sides.map(|side| at.maps.1.radiance_from(side.wide()).x.into())
     }
     Some(Case {
         id: "SH-15",

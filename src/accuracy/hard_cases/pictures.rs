@@ -168,7 +168,7 @@ fn seam() -> Picture {
     let map = CubeMap::new(faces.each_ref()).ok();
     let textbook =
         panel(SIDE, |x, y| grey(maps::clamped(&faces, Vector3::<f32>::of(direction(x, y))).wide()));
-    let ours = map.map(|map| panel(SIDE, |x, y| map.radiance(direction(x, y)).as_dvec3()));
+    let ours = map.map(|map| panel(SIDE, |x, y| map.radiance_from(direction(x, y)).as_dvec3()));
     beside([textbook, ours.unwrap_or_else(dark)])
 }
 

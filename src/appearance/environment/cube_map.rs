@@ -6,6 +6,7 @@ mod tests;
 use crate::appearance::texture::{Image, TextureFilter, Wrap};
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
+use crate::base::lanes::{Color, Mask, Real, Row, Vec3, lanes};
 use crate::base::math::{DVec2, DVec3};
 
 /// The names of the faces, in order: towards +x, -x, +y, -y, +z and -z.
@@ -60,11 +61,14 @@ pub enum FacesError {
     Differs(usize),
 }
 
-/// A point of a face. `s` runs from -1 at the left to 1, `t` from -1 at the top to 1.
-struct FacePoint {
-    face: usize,
-    s: f64,
-    t: f64,
+/// Points of faces. `s` runs from -1 at the left to 1, `t` from -1 at the top to 1.
+struct FacePoint<F: Real> {
+    /// The index of the face.
+    face: F,
+    s: F,
+    t: F,
+    /// False for directions that are zero or not finite.
+    is_valid: F::Mask,
 }
 
 impl CubeMap {
@@ -92,48 +96,64 @@ impl CubeMap {
         self.size
     }
 
-    /// Radiance from a direction of any length. It is black if the direction is zero or not finite.
-    pub fn radiance(&self, direction: DVec3) -> Rgb {
-        let Some(FacePoint { face, s, t }) = face_point(direction) else { return Rgb::ZERO };
-        let [(column, right), (row, down)] = [s, t].map(|along| self.texel_before(along));
+    /// Radiance from directions of any length. It is black if a direction is zero or not finite.
+    #[inline(always)]
+    pub fn radiance<F: Real>(&self, direction: Vec3<F>) -> Color<F::F32> {
+        let FacePoint { face, s, t, is_valid } = face_point(direction);
+        let [(columns, rights), (rows, downs)] = [s, t].map(|along| self.texel_before(along));
+        let (faces, columns, rows) =
+            (face.to_u32().to_array(), columns.to_u32().to_array(), rows.to_u32().to_array());
+        let (rights, downs) = (rights.to_array(), downs.to_array());
+        let black = F::F32::splat(0.0).to_array();
+        let (mut r, mut g, mut b) = (black, black, black);
         let across = self.size as usize + 2;
-        let first = (face * across + row) * across + column;
-        let row = |at: usize| self.values[at].lerp(self.values[at + 1], right);
-        row(first).lerp(row(first + across), down)
+        for lane in lanes(is_valid.bits()) {
+            let (face, column, row) = (faces[lane] as usize, columns[lane] as usize, rows[lane] as usize);
+            let first = (face * across + row) * across + column;
+            let along = |at: usize| self.values[at].lerp(self.values[at + 1], rights[lane]);
+            (r[lane], g[lane], b[lane]) = along(first).lerp(along(first + across), downs[lane]).into();
+        }
+        Color { r: F::F32::from_array(r), g: F::F32::from_array(g), b: F::F32::from_array(b) }
     }
 
-    /// The index of the value at or before a point in -1..=1 of a row or column, and the fraction of the way to the
-    /// next value.
-    fn texel_before(&self, along: f64) -> (usize, f32) {
-        let at = (0.5 * along + 0.5) * f64::from(self.size) + 0.5;
+    /// Radiance from one direction.
+    pub fn radiance_from(&self, direction: DVec3) -> Rgb {
+        self.radiance::<f64>(direction.into()).into()
+    }
+
+    /// The indices of the values at or before points in -1..=1 of a row or column, and the fractions of the way to the
+    /// next values.
+    #[inline(always)]
+    fn texel_before<F: Real>(&self, along: F) -> (F, F::F32) {
+        let (size, half, two) = (F::splat(f64::from(self.size)), F::splat(0.5), F::splat(2.0));
+        let at = (half * along + half) * size + half;
         let before = at.floor();
+        let share = at - before;
         // The border is half a texel from the first and from the last texel.
-        let share = match (before as usize, at - before) {
-            (0, share) => 2.0 * share - 1.0,
-            (last, share) if last == self.size as usize => 2.0 * share,
-            (_, share) => share,
-        };
-        (before as usize, share as f32)
+        let at_end = F::select(before.eq(size), two * share, share);
+        let share = F::select(before.eq(F::splat(0.0)), two * share - F::splat(1.0), at_end);
+        (before, share.to_f32())
     }
 }
 
-/// The face and its point in a direction. It is `None` if the direction is zero or not finite.
-fn face_point(direction: DVec3) -> Option<FacePoint> {
-    let size = direction.abs();
-    let axis = if size.x >= size.y && size.x >= size.z {
-        0
-    } else if size.y >= size.z {
-        1
-    } else {
-        2
-    };
-    let face = 2 * axis + usize::from(direction[axis] < 0.0);
-    let on_cube = direction / size[axis];
+/// The faces in directions, and their points there, as [`AXES`] say.
+#[inline(always)]
+fn face_point<F: Real>(direction: Vec3<F>) -> FacePoint<F> {
+    let Vec3 { x, y, z } = direction;
+    let (zero, one, size) = (F::splat(0.0), F::splat(1.0), direction.abs());
+    let along_x = size.y.le(size.x) & size.z.le(size.x);
+    let along_y = !along_x & size.z.le(size.y);
+    let longest = F::select(along_x, size.x, F::select(along_y, size.y, size.z));
+    let forward = F::select(along_x, x, F::select(along_y, y, z));
+    let back = forward.lt(zero);
+    let axis = F::select(along_x, zero, F::select(along_y, F::splat(2.0), F::splat(4.0)));
+    let right = F::select(along_x, F::select(back, z, -z), F::select(back & !along_y, -x, x));
+    let down = F::select(along_y, F::select(back, -z, z), -y);
+    let (s, t) = (right / longest, down / longest);
     // No component exceeds the largest one, and the rounded quotient does not exceed 1.
-    on_cube.is_finite().then(|| {
-        let axes = &AXES[face];
-        FacePoint { face, s: on_cube.dot(axes.right), t: on_cube.dot(axes.down) }
-    })
+    let is_valid = zero.lt(longest) & longest.lt(F::splat(f64::INFINITY)) & s.abs().le(one) & t.abs().le(one);
+    let [s, t] = [s, t].map(|along| F::select(is_valid, along, zero));
+    FacePoint { face: axis + F::select(back, one, zero), s, t, is_valid }
 }
 
 /// The value at index 0..=size + 1 along each axis of a face. Inside it is a texel. On the border it is the mean of the
@@ -159,8 +179,8 @@ fn value(faces: &[&Image; 6], face: usize, at: [u32; 2]) -> Rgb {
 
 /// The colour in a direction, filtered within one face.
 fn lookup(faces: &[&Image; 6], direction: DVec3) -> Rgb {
-    face_point(direction).map_or(Rgb::ZERO, |FacePoint { face, s, t }| {
-        let uv = DVec2::new(0.5 + 0.5 * s, 0.5 - 0.5 * t);
-        faces[face].sample(uv, [Wrap::Clamp.into(); 2], TextureFilter::Bilinear)
-    })
+    let FacePoint { face, s, t, is_valid } = face_point::<f64>(direction.into());
+    let uv = DVec2::new(0.5 + 0.5 * s, 0.5 - 0.5 * t);
+    let sample = || faces[face as usize].sample(uv, [Wrap::Clamp.into(); 2], TextureFilter::Bilinear);
+    if is_valid { sample() } else { Rgb::ZERO }
 }

@@ -5,7 +5,7 @@ use super::equirect;
 use crate::appearance::texture::{Image, SharedAsset, TextureFilter, Wrap};
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
-use crate::base::lanes::{Color, Real, Row, Vec3};
+use crate::base::lanes::{Color, Real, Row, Vec3, out_of_line};
 use crate::base::math::{DVec2, DVec3};
 
 /// Radiance from every direction.
@@ -35,28 +35,9 @@ impl Sky {
                 let share = height.max(zero).min(one).to_f32();
                 Color::splat(*bottom).lerp(Color::splat(*top), share)
             }
-            Self::CubeMap(_) | Self::Equirect(_) => {
-                let [r, g, b] = self.image_radiance(&direction.store(), F::LANES);
-                Color { r: F::F32::load(&r, 0), g: F::F32::load(&g, 0), b: F::F32::load(&b, 0) }
-            }
+            Self::CubeMap(map) => map_radiance(map, direction),
+            Self::Equirect(image) => image_radiance(image, direction),
         }
-    }
-
-    /// [`Sky::radiance`] of images, lane by lane. The result has a row for each of red, green and blue.
-    #[inline(never)]
-    fn image_radiance(&self, directions: &[DVec3; 8], lanes: usize) -> [[f32; 8]; 3] {
-        let mut color = [[0.0; 8]; 3];
-        let [r, g, b] = &mut color;
-        for lane in 0..lanes {
-            let direction = directions[lane];
-            let radiance = match self {
-                Self::CubeMap(map) => map.radiance(direction),
-                Self::Equirect(image) => lookup(image, DVec2::from(equirect::uv::<f64>(direction.into()))),
-                Self::Constant(_) | Self::Gradient { .. } => Rgb::ZERO,
-            };
-            (r[lane], g[lane], b[lane]) = radiance.into();
-        }
-        color
     }
 
     /// Radiance from one direction.
@@ -73,7 +54,26 @@ impl Sky {
     }
 }
 
+out_of_line! {
+    fn map_radiance<'k, F>(map: &'k CubeMap, direction: Vec3<F>) -> Color<F::F32> {
+        map.radiance(direction)
+    }
+}
+
+out_of_line! {
+    fn image_radiance<'k, F>(image: &'k Image, direction: Vec3<F>) -> Color<F::F32> {
+        let [u, v] = equirect::uv(direction).map(F::to_array);
+        let black = F::F32::splat(0.0).to_array();
+        let (mut r, mut g, mut b) = (black, black, black);
+        for lane in 0..F::LANES {
+            (r[lane], g[lane], b[lane]) = lookup(image, DVec2::new(u[lane], v[lane])).into();
+        }
+        Color { r: F::F32::from_array(r), g: F::F32::from_array(g), b: F::F32::from_array(b) }
+    }
+}
+
 /// Filters an image of all directions. Columns repeat, so the first one follows the last one. Rows end at the poles.
+#[inline(always)]
 fn lookup(image: &Image, uv: DVec2) -> Rgb {
     image.sample(uv, [Wrap::Repeat.into(), Wrap::Clamp.into()], TextureFilter::Bilinear)
 }

@@ -183,12 +183,17 @@ impl Material {
         self.textures.iter().any(|(slots, _)| matters(slots))
     }
 
-    /// What the textures read at a point. Relief compares colours and coordinates beside the point, so it needs all.
+    /// What the textures read at a point. Relief compares points a footprint apart, and normal maps follow u and v.
     pub fn texture_inputs(&self) -> TextureInputs {
-        if self.has_relief() {
-            return TextureInputs::ALL;
-        }
-        let inputs = self.textures.iter().map(|(_, texture)| texture.inputs());
+        let inputs = self.textures.iter().map(|(slots, texture)| {
+            let is_relief = self.has_relief() && slots.iter().all(|slot| slot.is_relief());
+            let own = TextureInputs {
+                footprint: is_relief,
+                uv: is_relief && slots.contains(&TextureSlot::Normal),
+                ..TextureInputs::default()
+            };
+            own | texture.inputs()
+        });
         inputs.fold(TextureInputs::default(), |all, one| all | one)
     }
 

@@ -45,10 +45,6 @@ pub struct TextureInputs {
     pub footprint_uv: bool,
 }
 
-impl TextureInputs {
-    pub const ALL: Self = Self { uv: true, color: true, footprint: true, footprint_uv: true };
-}
-
 impl BitOr for TextureInputs {
     type Output = Self;
 

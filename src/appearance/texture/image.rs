@@ -103,12 +103,14 @@ impl Image {
         self.alpha.as_ref().map_or(1.0, |alpha| alpha[self.index(x, y)])
     }
 
+    #[inline(always)]
     fn index(&self, x: u32, y: u32) -> usize {
         y as usize * self.width as usize + x as usize
     }
 
     /// The colour at `uv`, ignoring alpha. u runs to the right and v upwards, both from 0 to 1 over the whole image. So
     /// the centre of the texel in column i is at u = (i + 0.5) / width. The colour is black if `uv` is not finite.
+    #[inline(always)]
     pub fn sample(&self, uv: DVec2, axes: [AxisWrap; 2], filter: TextureFilter) -> Rgb {
         self.filtered(uv, axes, filter, |index| self.texels[index], Rgb::lerp).unwrap_or(Rgb::ZERO)
     }
@@ -121,6 +123,7 @@ impl Image {
     }
 
     /// Filters the values of `texel` at `uv`. `None` if `uv` is not finite.
+    #[inline(always)]
     fn filtered<T>(
         &self,
         uv: DVec2,

@@ -5,7 +5,7 @@
 //! 2010), which needs no coordinates. The gradient is that of the texture over the footprint of the pixel, so finer
 //! relief than pixels resolve fades.
 
-use super::{Texture, TextureEvalContext};
+use super::{Texture, TextureEvalContext, TextureInputs};
 use crate::base::digest::{Content, Digester};
 use crate::base::math::{DVec2, DVec3};
 use crate::geometry::shape::Shape;
@@ -30,27 +30,32 @@ const SHORTEST: f64 = 1.0 / (1 << 14) as f64;
 /// The point, and its neighbours at a distance along two directions across the normal.
 struct Neighbours<'a> {
     context: &'a TextureEvalContext<'a>,
+    /// What is read at the neighbours.
+    inputs: TextureInputs,
     axes: [DVec3; 2],
     distance: f64,
 }
 
 impl<'a> Neighbours<'a> {
-    fn new(context: &'a TextureEvalContext<'a>, normal: DVec3) -> Self {
+    fn new(context: &'a TextureEvalContext<'a>, inputs: TextureInputs, normal: DVec3) -> Self {
         let (first, second) = normal.any_orthonormal_pair();
         let [a, b] = context.footprint.0.map(DVec3::length);
         let width = if a < b { a } else { b };
         let bounds = context.shape.and_then(Shape::bounds);
         let shortest = SHORTEST * bounds.map_or(1.0, |bounds| (bounds.max - bounds.min).max_element());
         let distance = if width * 0.5 > shortest { width * 0.5 } else { shortest };
-        Self { context, axes: [first, second], distance }
+        Self { context, inputs, axes: [first, second], distance }
     }
 
     /// The evaluation context at a point beside.
     fn at(&self, axis: usize, side: f64) -> TextureEvalContext<'a> {
         let mut beside = *self.context;
         beside.point += self.axes[axis] * (side * self.distance);
-        if let Some(shape) = self.context.shape {
+        let Some(shape) = self.context.shape else { return beside };
+        if self.inputs.uv {
             beside.uv = DVec2::from_array(shape.uv::<f64>(beside.point.into(), beside.part));
+        }
+        if self.inputs.color {
             beside.color = shape.color(beside.point, beside.part);
         }
         beside
@@ -77,7 +82,7 @@ impl<'a> Neighbours<'a> {
 
 /// The unit normal of a surface that `texture` raises by up to `depth`, in the space of the context. Brighter is higher.
 pub fn raised(texture: &Texture, depth: f64, context: &TextureEvalContext<'_>, normal: DVec3) -> DVec3 {
-    let near = Neighbours::new(context, normal);
+    let near = Neighbours::new(context, texture.inputs(), normal);
     let height = |at: &TextureEvalContext| {
         DVec2::new(f64::from(texture.at(at).color.element_sum()) / 3.0 * depth, 0.0)
     };
@@ -89,7 +94,7 @@ pub fn raised(texture: &Texture, depth: f64, context: &TextureEvalContext<'_>, n
 /// The unit normal that a normal map gives: its colours, from 0 to 1, stand for components from -1 to 1 along increasing
 /// u, along increasing v and along the normal (glTF 2.0, section 3.9.3). `strength` scales the first two.
 pub fn mapped(texture: &Texture, strength: f64, context: &TextureEvalContext<'_>, normal: DVec3) -> DVec3 {
-    let near = Neighbours::new(context, normal);
+    let near = Neighbours::new(context, TextureInputs { uv: true, ..TextureInputs::default() }, normal);
     let [first, second] = near.derivatives(|at| at.uv);
     // The direction of increasing u at constant v solves two linear equations.
     let det = first.x * second.y - first.y * second.x;

@@ -43,11 +43,13 @@ impl AxisWrap {
     }
 
     /// The copy of a repeated image that holds a finite coordinate.
+    #[inline(always)]
     fn copy(&self, coordinate: f64) -> f64 {
         coordinate.floor().min(self.to - 1.0).max(self.from)
     }
 
     /// Maps a finite coordinate to 0..=1. It can become 1 by rounding, or at the end of the last copy.
+    #[inline(always)]
     fn wrapped(&self, coordinate: f64) -> f64 {
         match self.wrap {
             Wrap::Repeat => (coordinate - self.copy(coordinate)).clamp(0.0, 1.0),
@@ -57,11 +59,13 @@ impl AxisWrap {
     }
 
     /// The nearest texel in a row of `size` texels.
+    #[inline(always)]
     pub fn nearest(&self, coordinate: f64, size: u32) -> u32 {
         ((self.wrapped(coordinate) * f64::from(size)) as u32).min(size - 1)
     }
 
     /// The two texels around a finite coordinate in a row of `size` texels.
+    #[inline(always)]
     pub fn texels_around(&self, coordinate: f64, size: u32) -> TexelPair {
         let at = self.wrapped(coordinate) * f64::from(size) - 0.5;
         let low = at.floor();
