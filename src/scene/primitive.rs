@@ -175,14 +175,14 @@ impl Primitive {
     }
 
     /// [`Shape::each_crossing`] of a ray in the world.
-    pub fn each_crossing<L: Level>(
+    pub fn each_crossing(
         &self,
         ray: &TraversalRay,
         within: RayInterval<f64>,
         take: &mut dyn FnMut(ShapeHit),
     ) {
         let own = self.transform.as_ref().map(|transform| transform.traversal_ray_to_object(ray));
-        self.shape.each_crossing::<L>(own.as_ref().unwrap_or(ray), within, take);
+        self.shape.each_crossing(own.as_ref().unwrap_or(ray), within, take);
     }
 
     /// The surface at the hits of [`Primitive::intersect`].

@@ -10,7 +10,6 @@ use super::context::TraceContext;
 use super::medium::{MediaLists, Passage};
 use super::spawn::spawn_ray;
 use crate::appearance::material::Material;
-use crate::base::lanes::Portable;
 use crate::base::math::Ray;
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::ray_kinds::RayKind;
@@ -134,7 +133,7 @@ impl TraceContext<'_> {
         let across = Ray { origin: from, direction };
         let within = RayInterval::up_to(libm::scalbn(1.0, exponent));
         let (mut count, mut alike) = (0, true);
-        primitive.each_crossing::<Portable>(&TraversalRay::new(across), within, &mut |at| {
+        primitive.each_crossing(&TraversalRay::new(across), within, &mut |at| {
             count += 1;
             alike &= (primitive.surface_at(&across, at).normal.dot(out) >= 0.0) == enters;
         });

@@ -28,4 +28,10 @@ impl<F: Real> CoincidenceRange<F> {
     pub fn end(self, t: F) -> F {
         t + (t + self.reach) * F::splat(SHARE)
     }
+
+    /// That of one lane.
+    #[inline(always)]
+    pub fn lane(self, lane: usize) -> CoincidenceRange<f64> {
+        CoincidenceRange { reach: self.reach.to_array()[lane] }
+    }
 }

@@ -192,7 +192,7 @@ impl Shape {
 
     /// Passes all hits of one ray within bounds to `take`. The ray keeps its origin and only the minimum of t grows, so
     /// each hit is found, however close hits are. A triangle in several leaves of its tree may be passed for each of them.
-    pub fn each_crossing<L: Level>(
+    pub fn each_crossing(
         &self,
         ray: &TraversalRay,
         mut within: RayInterval<f64>,
@@ -204,7 +204,8 @@ impl Shape {
             Self::Solid(solid) => return solid.each_hit(ray, within, take),
             _ => {}
         }
-        while let Some(at) = self.intersect_on::<L>(ray, within, None) {
+        let ray = PreparedRay::<f64>::splat(ray);
+        while let Some(at) = self.intersect(&ray, within).one() {
             take(at);
             within.min = at.t;
         }

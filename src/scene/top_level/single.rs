@@ -301,9 +301,9 @@ struct Each<'a> {
 
 impl Each<'_> {
     #[inline(never)]
-    fn test<L: Level>(&mut self, index: u32) {
+    fn test(&mut self, index: u32) {
         let Self { geometry, ray, within, take, .. } = self;
-        geometry.primitives[index as usize].each_crossing::<L>(ray, *within, &mut |at| {
+        geometry.primitives[index as usize].each_crossing(ray, *within, &mut |at| {
             take(Hit { at, primitive: index });
         });
     }
@@ -316,7 +316,7 @@ impl LeafVisitor for Each<'_> {
     #[inline(always)]
     fn visit<L: Level>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
         for &index in self.bvh.leaves.leaf(leaf) {
-            self.test::<L>(index);
+            self.test(index);
         }
         Some(limit)
     }
@@ -329,7 +329,7 @@ impl SimdKernel for Each<'_> {
     fn run<L: Level>(mut self) {
         let (bvh, ray, within) = (self.bvh, self.ray, self.within);
         for &index in bvh.direct.iter().chain(&bvh.meshes) {
-            self.test::<L>(index);
+            self.test(index);
         }
         bvh.tree.walk_on::<L>(ray, within.max, &mut self, &mut Stack::default());
     }

@@ -1,61 +1,110 @@
-//! Solids made of solids as shapes. Rare, so lanes search one ray at a time.
+//! Solids made of solids as shapes.
 
 use super::{Operation, Solid};
 use crate::base::color::Rgb;
-use crate::base::lanes::{Mask, Real, Row, Vec3};
-use crate::base::math::{self, Aabb, DAffine3, DVec3, LaneRay, Ray, gamma};
+use crate::base::lanes::{Mask, Real, Row, Select, Vec3, lanes, out_of_line};
+use crate::base::math::{self, Aabb, DAffine3, DVec3, LaneRay, gamma};
 use crate::geometry::bvh::TraversalRay;
-use crate::geometry::shape::lane_search::first_hits;
 use crate::geometry::shape::{
-    Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, ShapeHit, StoredRays, Surface,
+    Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, ShapeHit, store_lanes,
 };
 
 impl Solid {
-    /// The first hit within bounds.
-    fn first(&self, ray: &TraversalRay, within: RayInterval<f64>) -> Option<ShapeHit> {
-        if !self.may_meet(&ray.ray, within) {
-            return None;
-        }
-        self.with_hits(ray, |hits| hits.iter().find(|at| within.min < at.t && at.t < within.max).copied())
-    }
-
-    /// Whether a ray meets the bounds within an interval, but for rounding.
-    fn may_meet(&self, ray: &Ray, within: RayInterval<f64>) -> bool {
-        let Some(Aabb { min, max }) = self.0.bounds else { return true };
-        let (mut from, mut to) = (within.min, within.max);
-        for axis in 0..3 {
-            let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
-            if direction == 0.0 {
-                if origin < min[axis] || max[axis] < origin {
-                    return false;
-                }
-                continue;
-            }
-            let (a, b) = ((min[axis] - origin) / direction, (max[axis] - origin) / direction);
-            let (near, far) = if a <= b { (a, b) } else { (b, a) };
-            from = math::max(from, near - near.abs() * gamma(3));
-            to = math::min(to, far + far.abs() * gamma(3));
-        }
-        from <= to
-    }
-
-    /// Passes all hits within bounds to `take`.
-    pub fn each_hit(&self, ray: &TraversalRay, within: RayInterval<f64>, take: &mut dyn FnMut(ShapeHit)) {
-        self.with_hits(ray, |hits| {
-            hits.iter().filter(|at| within.min < at.t && at.t < within.max).copied().for_each(take);
-        });
-    }
-
-    /// The surface at a hit.
+    /// Passes all hits of one ray within bounds to `take`.
     #[inline(never)]
-    fn surface_of(&self, ray: &LaneRay<f64>, at: LaneHit<f64>, origin_error: f64) -> Surface {
-        if !at.t.is_finite() {
-            return LaneSurface::<f64>::nowhere().into();
-        }
-        let (index, part) = self.of(at.part);
-        let surface = self.parts()[index].surface(ray, LaneHit { part, ..at }, origin_error);
-        surface.flipped(self.is_turned(index)).into()
+    pub fn each_hit(&self, ray: &TraversalRay, within: RayInterval<f64>, take: &mut dyn FnMut(ShapeHit)) {
+        let found = self.hits::<f64>(&PreparedRay::splat(ray), true);
+        found.of(0).iter().filter(|at| within.min < at.t && at.t < within.max).copied().for_each(take);
     }
+}
+
+out_of_line! {
+    fn intersect<'k, F>(
+        solid: &'k Solid,
+        ray: &'k PreparedRay<F>,
+        within: RayInterval<F>,
+    ) -> LaneHit<F> {
+        let mut wanted = within.min.lt(within.max);
+        if let Some(bounds) = &solid.0.surroundings {
+            let Vec3 { x, y, z } = ray.ray.direction;
+            let one = F::splat(1.0);
+            let inverse = Vec3::new(one / x, one / y, one / z);
+            wanted = wanted & may_meet(bounds, (ray.ray.origin, inverse), within);
+        }
+        if !wanted.any() {
+            return LaneHit::none();
+        }
+        let (found, [min, max]) = (solid.hits(ray, wanted), [within.min, within.max].map(store_lanes));
+        let (mut t, mut parts) = (F::splat(f64::INFINITY).to_array(), F::U32::splat(0).to_array());
+        let mut coincident = 0;
+        for lane in lanes(wanted.bits()) {
+            let mut inside = found.of(lane).iter().filter(|at| min[lane] < at.t && at.t < max[lane]);
+            if let Some(at) = inside.next() {
+                (t[lane], parts[lane]) = (at.t, at.part);
+                coincident |= u32::from(at.coincident) << lane;
+            }
+        }
+        LaneHit {
+            t: F::from_array(t),
+            part: F::U32::from_array(parts),
+            coincident: F::Mask::from_bits(coincident),
+        }
+    }
+}
+
+out_of_line! {
+    fn surfaces<'k, F>(
+        solid: &'k Solid,
+        ray: &'k LaneRay<F>,
+        at: LaneHit<F>,
+        origin_error: f64,
+    ) -> LaneSurface<F> {
+        let (numbers, mut parts) = (at.part.to_array(), F::U32::splat(0).to_array());
+        let (mut indices, mut rest) = ([0; 8], at.is_hit().bits());
+        for lane in lanes(rest) {
+            (indices[lane], parts[lane]) = solid.of(numbers[lane]);
+        }
+        let (parts, mut surface) = (F::U32::from_array(parts), LaneSurface::nowhere());
+        while rest != 0 {
+            let index = indices[rest.trailing_zeros() as usize];
+            let mut same = 0;
+            for lane in lanes(rest) {
+                same |= u32::from(indices[lane] == index) << lane;
+            }
+            rest &= !same;
+            let same = F::Mask::from_bits(same);
+            // Parts of other shapes may not exist in this one. Every shape has a part 0.
+            let part = F::U32::select(same, parts, F::U32::splat(0));
+            let found = solid.parts()[index].surface(ray, LaneHit { part, ..at }, origin_error);
+            let turned = F::Mask::splat(solid.is_turned(index));
+            surface = LaneSurface::select(same, found.flipped(turned), surface);
+        }
+        surface
+    }
+}
+
+/// The lanes whose rays may meet a box within bounds. `inverse` is 1 / direction. Axes along which it is not finite
+/// only exclude rays beside the box.
+#[inline(always)]
+pub fn may_meet<F: Real>(
+    bounds: &Aabb,
+    (origin, inverse): (Vec3<F>, Vec3<F>),
+    within: RayInterval<F>,
+) -> F::Mask {
+    let (mut from, mut to, mut beside) = (within.min, within.max, F::Mask::splat(false));
+    let (infinity, rounding) = (F::splat(f64::INFINITY), F::splat(gamma(3)));
+    let axes = [(origin.x, inverse.x), (origin.y, inverse.y), (origin.z, inverse.z)];
+    for (axis, (origin, inverse)) in axes.into_iter().enumerate() {
+        let (min, max) = (F::splat(bounds.min[axis]), F::splat(bounds.max[axis]));
+        let is_across = infinity.le(inverse.abs());
+        beside = beside | (is_across & (origin.lt(min) | max.lt(origin)));
+        let (a, b) = ((min - origin) * inverse, (max - origin) * inverse);
+        let (near, far) = (a.min(b), a.max(b));
+        let (near, far) = (near - near.abs() * rounding, far + far.abs() * rounding);
+        from = F::select(is_across, from, from.max(near));
+        to = F::select(is_across, to, to.min(far));
+    }
+    from.le(to) & !beside
 }
 
 /// Vectors of lanes.
@@ -95,24 +144,12 @@ impl Geometric for Solid {
 
     #[inline(always)]
     fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
-        first_hits(ray, within, |ray, span| self.first(ray, span))
+        intersect(self, ray, within)
     }
 
     #[inline(always)]
     fn surface<F: Real>(&self, ray: &LaneRay<F>, at: LaneHit<F>, origin_error: f64) -> LaneSurface<F> {
-        let (rays, t, parts) = (StoredRays::of(ray), at.t.to_array(), at.part.to_array());
-        let mut surfaces = [Surface::new(DVec3::ZERO, DVec3::ZERO, DVec3::Y); 8];
-        for lane in 0..F::LANES {
-            let at = LaneHit { t: t[lane], part: parts[lane], coincident: false };
-            surfaces[lane] = self.surface_of(&LaneRay::from(&rays.one(lane)), at, origin_error);
-        }
-        LaneSurface {
-            point: gathered(&surfaces, |surface| surface.point),
-            error: gathered(&surfaces, |surface| surface.error),
-            normal: gathered(&surfaces, |surface| surface.normal),
-            shading: gathered(&surfaces, |surface| surface.shading),
-            lift: gathered(&surfaces, |surface| surface.lift),
-        }
+        surfaces(self, ray, at, origin_error)
     }
 
     fn bounds(&self) -> Option<Aabb> {

@@ -6,13 +6,15 @@
 //!
 //! What a ray hits depends on the ray alone, not on the interval that is searched.
 
-use super::part_intervals::{IntervalEnd, PartHit, PartIntervals};
-use super::{Operation, Solid, coincidence_range};
-use crate::geometry::bvh::TraversalRay;
-use crate::geometry::shape::ShapeHit;
+use super::crossings::{Crossings, PartHit};
+use super::geometric::may_meet;
+use super::part_intervals::{IntervalEnd, PartIntervals};
+use super::{Operation, Solid};
+use crate::base::lanes::{LaneKernel, Level, Mask, Real, Vec3, lanes};
+use crate::geometry::shape::{CoincidenceRange, PreparedRay, RayInterval, ShapeHit, StoredRays};
 use std::cell::RefCell;
 
-/// What a search along a ray needs. It is kept for the next ray.
+/// What a search along a ray needs.
 #[derive(Default)]
 struct IntervalBuffer {
     parts: PartIntervals,
@@ -21,37 +23,102 @@ struct IntervalBuffer {
     hits: Vec<ShapeHit>,
 }
 
+/// What a search along eight rays needs. It is kept for the next rays.
+#[derive(Default)]
+struct SearchBuffer {
+    lanes: [IntervalBuffer; 8],
+    crossings: Crossings,
+}
+
 thread_local! {
+    #[expect(clippy::vec_box, reason = "every search takes a buffer from the list and puts it back")]
     /// Buffers that are not in use. Solids within solids take one each.
-    static BUFFERS: RefCell<Vec<IntervalBuffer>> = const { RefCell::new(Vec::new()) };
+    static BUFFERS: RefCell<Vec<Box<SearchBuffer>>> = const { RefCell::new(Vec::new()) };
+}
+
+/// All hits of a solid along the ray of each lane, from its origin on, in order.
+pub struct SolidHits(Option<Box<SearchBuffer>>);
+
+impl SolidHits {
+    pub fn of(&self, lane: usize) -> &[ShapeHit] {
+        self.0.as_ref().map_or(&[], |buffer| &buffer.lanes[lane].hits)
+    }
+}
+
+impl Drop for SolidHits {
+    fn drop(&mut self) {
+        BUFFERS.with_borrow_mut(|all| all.extend(self.0.take()));
+    }
+}
+
+/// The search along the rays in the lanes of a mask.
+struct Search<'a, F: Real> {
+    solid: &'a Solid,
+    rays: &'a PreparedRay<F>,
+    wanted: F::Mask,
+    buffer: &'a mut SearchBuffer,
+}
+
+impl<F: Real> LaneKernel<F::Level> for Search<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { solid, rays, wanted, buffer } = self;
+        let SearchBuffer { lanes: buffers, crossings } = buffer;
+        for IntervalBuffer { parts, inside, hits } in buffers.iter_mut() {
+            parts.clear();
+            inside.clear();
+            hits.clear();
+        }
+        let (stored, one) = (StoredRays::of(&rays.ray), F::splat(1.0));
+        let Vec3 { x, y, z } = rays.ray.direction;
+        let inverse = Vec3::new(one / x, one / y, one / z);
+        let mut open = wanted;
+        for (of, (shape, surroundings)) in solid.0.parts.iter().zip(&solid.0.part_surroundings).enumerate() {
+            // Nothing with bounds is inside of what it does not meet.
+            let mut meets = open;
+            if let Some(surroundings) = surroundings {
+                let within = RayInterval::up_to(F::splat(f64::INFINITY));
+                meets = open & may_meet(surroundings, (rays.ray.origin, inverse), within);
+            }
+            if meets.any() {
+                crossings.find(shape, rays, solid.0.reach, meets);
+            }
+            for lane in lanes(open.bits()) {
+                let IntervalBuffer { parts, inside, .. } = &mut buffers[lane];
+                let first = parts.ends.len();
+                let begins_inside = meets.bits() >> lane & 1 == 1
+                    && parts.add((of, shape), &stored.one(lane), crossings.of(lane));
+                if parts.ends.len() == first && !begins_inside && solid.needs(of) {
+                    open = open & !F::Mask::from_bits(1 << lane);
+                }
+                inside.push(begins_inside);
+            }
+            if !open.any() {
+                return;
+            }
+        }
+        let range = rays.coincidence_range(solid.0.reach);
+        for lane in lanes(open.bits()) {
+            solid.combine(&mut buffers[lane], range.lane(lane));
+        }
+    }
 }
 
 impl Solid {
-    /// Passes all hits along a ray to `take`, from its origin on, in order.
-    #[inline(never)]
-    pub(super) fn with_hits<T>(&self, ray: &TraversalRay, take: impl FnOnce(&[ShapeHit]) -> T) -> T {
+    /// All hits along the rays in the lanes of a mask.
+    #[inline(always)]
+    pub(super) fn hits<F: Real>(&self, rays: &PreparedRay<F>, wanted: F::Mask) -> SolidHits {
         let mut buffer = BUFFERS.with_borrow_mut(Vec::pop).unwrap_or_default();
-        self.search(ray, &mut buffer);
-        let result = take(&buffer.hits);
-        BUFFERS.with_borrow_mut(|all| all.push(buffer));
-        result
+        F::Level::call_with(Search { solid: self, rays, wanted, buffer: &mut buffer });
+        SolidHits(Some(buffer))
     }
 
-    fn search(&self, ray: &TraversalRay, buffer: &mut IntervalBuffer) {
-        let IntervalBuffer { parts, inside, hits } = buffer;
-        parts.clear();
-        inside.clear();
-        hits.clear();
-        let range = coincidence_range(ray, self.0.reach);
-        for (of, shape) in self.0.parts.iter().enumerate() {
-            let first = parts.ends.len();
-            let begins_inside = parts.add((of, shape), ray, range);
-            if parts.ends.len() == first && !begins_inside && self.needs(of) {
-                return;
-            }
-            inside.push(begins_inside);
-        }
-        let PartIntervals { hits: all, ends } = parts;
+    /// Finds the hits of the solid among those of its parts along one ray.
+    #[inline(never)]
+    fn combine(&self, buffer: &mut IntervalBuffer, range: CoincidenceRange<f64>) {
+        let IntervalBuffer { parts: PartIntervals { hits: all, ends }, inside, hits } = buffer;
         ends.sort_by(|a, b| a.low.total_cmp(&b.low).then(a.of.cmp(&b.of)));
         let mut rest = &ends[..];
         while let Some(first) = rest.first() {

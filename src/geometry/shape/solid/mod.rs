@@ -1,18 +1,18 @@
 //! Solids made of solids: differences, intersections and unions, and shapes that planes cut open.
 //!
-//! A ray is inside of a solid in intervals. Those of a solid made of others follow from the intervals of its parts, which
-//! are in `part_intervals`, those of the solid in `intervals`. A plane is the half-space behind it, so a cut is an intersection with half-spaces.
+//! A ray is inside of a solid in intervals. Those of a solid made of others follow from the intervals of its parts:
+//! `crossings` has the hits of parts, `part_intervals` their intervals, `intervals` those of the solid. A plane is the half-space behind it, so a cut is an intersection with half-spaces.
 
+mod crossings;
 mod geometric;
 mod intervals;
 mod part_intervals;
 #[cfg(test)]
 mod tests;
 
-use super::{CoincidenceRange, Mesh, Plane, PreparedRay, Shape};
+use super::{Mesh, Plane, Shape};
 use crate::base::digest::{Content, Digester};
-use crate::base::math::{Aabb, DVec3, max};
-use crate::geometry::bvh::TraversalRay;
+use crate::base::math::{Aabb, DVec3, gamma, max};
 use crate::geometry::mesh::ArrayKey;
 use std::sync::Arc;
 
@@ -57,6 +57,9 @@ struct Inner {
     /// The largest coordinate.
     reach: f64,
     bounds: Option<Aabb>,
+    /// The bounds, and those of the parts, with a margin for the rounding of hits.
+    surroundings: Option<Aabb>,
+    part_surroundings: Vec<Option<Aabb>>,
 }
 
 /// No shape has more parts than this, except meshes and particles.
@@ -122,7 +125,17 @@ impl Solid {
         let first = parts.iter().map(number).collect();
         let reach = parts.iter().map(reach).fold(0.0, max);
         let bounds = bounds(operation, &parts);
-        Self(Arc::new(Inner { operation, parts, first, cuts, is_open, reach, bounds }))
+        let around = |bounds: Option<Aabb>| {
+            bounds.map(|Aabb { min, max }| {
+                let margin = gamma(32) * min.abs().max(max.abs()).max_element();
+                Aabb { min: min - margin, max: max + margin }
+            })
+        };
+        let part_surroundings = parts.iter().map(|part| around(part.bounds())).collect();
+        let surroundings = around(bounds);
+        let inner =
+            Inner { operation, parts, first, cuts, is_open, reach, bounds, surroundings, part_surroundings };
+        Self(Arc::new(inner))
     }
 
     /// The parts in their order.
@@ -168,7 +181,7 @@ impl Solid {
 
 impl Content for Solid {
     fn feed(&self, into: &mut Digester) {
-        let Inner { operation, parts, first: _, cuts, is_open: _, reach: _, bounds: _ } = &*self.0;
+        let Inner { operation, parts, cuts, .. } = &*self.0;
         ((operation, parts), *cuts as u32).feed(into);
     }
 }
@@ -184,11 +197,6 @@ fn bounds(operation: Operation, parts: &[Shape]) -> Option<Aabb> {
             if common.is_empty() { a } else { common }
         }),
     }
-}
-
-/// The range of t within which hits of a shape with this largest coordinate may coincide.
-fn coincidence_range(ray: &TraversalRay, reach: f64) -> CoincidenceRange<f64> {
-    PreparedRay::<f64>::splat(ray).coincidence_range(reach)
 }
 
 /// The largest coordinate of a shape; of a plane, of its point.

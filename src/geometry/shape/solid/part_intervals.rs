@@ -1,32 +1,12 @@
 //! The intervals in which a ray is inside of one part of a solid.
 
-use super::{Solid, coincidence_range, reach};
-use crate::base::lanes::Portable;
-use crate::base::math::{Aabb, DVec3, Ray, gamma, max, min};
+use super::crossings::{Crossings, PartHit};
+use super::{Solid, reach};
+use crate::base::math::{Aabb, DVec3, Ray, max, min};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::mesh::TriangleMesh;
-use crate::geometry::shape::{CoincidenceRange, OneRay, ParticleSet, Particles, RayInterval, Shape};
+use crate::geometry::shape::{OneRay, ParticleSet, Particles, PreparedRay, Shape};
 use std::ops::Range;
-
-/// A hit of a part.
-#[derive(Clone, Copy, Debug)]
-pub struct PartHit {
-    pub t: f64,
-    /// Bound of the error of t.
-    error: f64,
-    /// In the part's own numbering.
-    pub part: u32,
-    /// The ray's direction along the normal: negative where the ray enters.
-    along: f64,
-    /// Whether the ray may touch the surface without crossing it: the bound of the error of t has no limit there.
-    may_touch: bool,
-}
-
-impl PartHit {
-    pub fn enters(&self) -> bool {
-        self.along < 0.0
-    }
-}
 
 /// Hits of one part whose order is uncertain. The ray's side changes from `before` to `after`.
 #[derive(Clone, Debug)]
@@ -59,29 +39,24 @@ impl PartIntervals {
         self.ends.clear();
     }
 
-    /// Appends the hits and the interval ends of the part with the index `of`, in order. Returns whether the ray begins
-    /// inside of the part.
-    pub fn add(
-        &mut self,
-        (of, shape): (usize, &Shape),
-        ray: &TraversalRay,
-        range: CoincidenceRange<f64>,
-    ) -> bool {
+    /// Appends the hits of the part with the index `of`, which are in order, and their interval ends. Returns whether the
+    /// ray begins inside of the part.
+    pub fn add(&mut self, (of, shape): (usize, &Shape), ray: &Ray, hits: &[PartHit]) -> bool {
         let (first_hit, first_end) = (self.hits.len(), self.ends.len());
-        self.add_hits(shape, ray, range);
+        self.hits.extend_from_slice(hits);
         match shape {
             Shape::Particles(_) => self.add_each(of, first_hit),
             _ => self.add_groups(of, first_hit),
         }
         let Self { hits, ends } = self;
         let ends = &mut ends[first_end..];
-        let end = ends_inside(shape, &ray.ray);
+        let end = ends_inside(shape, ray);
         match shape {
-            Shape::Particles(Particles(set)) => set_sides_by_depth(set, &ray.ray, (hits, first_hit), ends),
+            Shape::Particles(Particles(set)) => set_sides_by_depth(set, ray, (hits, first_hit), ends),
             Shape::Mesh(mesh) if mesh.mesh.is_closed() => {
-                set_sides_by_winding((shape, &mesh.mesh), &ray.ray, hits, ends);
+                set_sides_by_winding((shape, &mesh.mesh), ray, hits, ends);
             }
-            _ => set_sides_by_normals((shape, end), &ray.ray, hits, ends),
+            _ => set_sides_by_normals((shape, end), ray, hits, ends),
         }
         // Bounds may reach across other ends of the part, whose order is known.
         let mut low = f64::INFINITY;
@@ -90,26 +65,6 @@ impl PartIntervals {
             end.low = low;
         }
         ends.first().map_or(end, |first| first.before)
-    }
-
-    /// Appends all hits of a shape along a ray, in order. The error of t has no limit where a ray grazes a surface, so
-    /// its bound ends at the range within which hits may coincide.
-    fn add_hits(&mut self, shape: &Shape, ray: &TraversalRay, range: CoincidenceRange<f64>) {
-        let first = self.hits.len();
-        shape.each_crossing::<Portable>(ray, RayInterval::up_to(f64::INFINITY), &mut |at| {
-            let surface = shape.surface_at(&ray.ray, at);
-            let along = surface.normal.dot(ray.ray.direction);
-            let way = ray.ray.direction * at.t;
-            let off = (ray.ray.origin + way - surface.point).dot(surface.normal);
-            // The point's own error, its distance from the ray, and the rounding of that.
-            let rounding = (ray.ray.origin.abs() + way.abs()) * gamma(4);
-            let error = surface.normal.abs().dot(surface.error + rounding) + off.abs();
-            let most = range.end(at.t) - at.t;
-            let may_touch = error >= most * along.abs();
-            let error = if may_touch { most } else { error / along.abs() };
-            self.hits.push(PartHit { t: at.t, error, part: at.part, along, may_touch });
-        });
-        self.hits[first..].sort_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
     }
 
     /// Appends an interval end for each hit.
@@ -290,8 +245,9 @@ fn set_sides_by_winding(
 #[inline(never)]
 fn winding_number((shape, mesh): (&Shape, &TriangleMesh), point: DVec3) -> i64 {
     let ray = TraversalRay::new(Ray { origin: point, direction: SOMEWHERE });
-    let mut all = PartIntervals::default();
-    all.add_hits(shape, &ray, coincidence_range(&ray, reach(shape)));
+    let mut crossings = Crossings::default();
+    crossings.find::<f64>(shape, &PreparedRay::splat(&ray), reach(shape), true);
+    let mut all = PartIntervals { hits: crossings.of(0).to_vec(), ends: Vec::new() };
     all.add_groups(0, 0);
     all.ends.iter().map(|end| WindingStep::at(mesh, &all.hits[end.hits.clone()]).exits).sum()
 }

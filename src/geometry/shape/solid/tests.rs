@@ -2,7 +2,9 @@ use super::*;
 use crate::base::math::Ray;
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::mesh::{MeshData, Normals, TriangleMesh, generate};
-use crate::geometry::shape::{Cuboid, Cylinder, OneRay, Particles, Rectangle, ShapeHit, Sphere, Torus};
+use crate::geometry::shape::{
+    Cuboid, Cylinder, OneRay, Particles, PreparedRay, Rectangle, ShapeHit, Sphere, Torus,
+};
 use crate::testing::Random;
 use std::sync::Arc;
 
@@ -25,7 +27,8 @@ fn plane(point: DVec3, normal: DVec3) -> Plane {
 fn hits(solid: &Solid, origin: DVec3, direction: DVec3) -> Vec<(f64, bool)> {
     let ray = Ray { origin, direction };
     let enters = |at: &ShapeHit| solid.surface_at(&ray, *at).normal.dot(direction) < 0.0;
-    solid.with_hits(&TraversalRay::new(ray), |hits| hits.iter().map(|at| (at.t, enters(at))).collect())
+    let found = solid.hits::<f64>(&PreparedRay::splat(&TraversalRay::new(ray)), true);
+    found.of(0).iter().map(|at| (at.t, enters(at))).collect()
 }
 
 /// A mesh of several boxes; those from `turned` on are wound inwards.
