@@ -63,7 +63,7 @@ impl SimdKernel for RecordAovs<'_, '_> {
             return;
         }
         for items in wave.hits.queue(queue).rows() {
-            let at = Lookup::new(items);
+            let at = Lookup::ascending(items);
             let active = L::Mask::from_bits(0xff >> (8 - items.len()));
             let path = wave.paths.gather::<L::F64>(&at);
             let seen = active & has_flag::<L::F64>(path.flags, surface.flag());

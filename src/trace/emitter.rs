@@ -22,7 +22,7 @@ impl SimdKernel for HandleEmitters<'_, '_> {
         let Self { wave, queue } = self;
         let context = wave.context;
         for items in queue.rows() {
-            let at = Lookup::new(items);
+            let at = Lookup::ascending(items);
             let active = L::Mask::from_bits(0xff >> (8 - items.len()));
             let path = wave.paths.gather::<L::F64>(&at);
             let hit = SurfaceInteraction::gather(context, &path, (wave.hits, &at), active);

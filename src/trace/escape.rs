@@ -23,7 +23,7 @@ impl SimdKernel for HandleEscaped<'_, '_> {
             return;
         }
         for items in queue.rows() {
-            let at = Lookup::new(items);
+            let at = Lookup::ascending(items);
             let mut active = L::Mask::from_bits(0xff >> (8 - items.len()));
             let path = wave.paths.gather::<L::F64>(&at);
             if let Some(holdout) = context.holdout {

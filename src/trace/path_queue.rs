@@ -28,7 +28,7 @@ impl PathQueue {
         self.paths.is_empty()
     }
 
-    /// The rows, in their order.
+    /// The rows, in their order. The paths of a row ascend.
     pub fn rows(&self) -> impl Iterator<Item = &[u32]> {
         let starts = once(0).chain(self.cuts.iter().copied());
         let ends = self.cuts.iter().copied().chain(once(self.paths.len()));

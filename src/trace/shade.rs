@@ -62,7 +62,7 @@ pub struct ShadingContext<F: Real> {
 impl<F: Real> ShadingContext<F> {
     #[inline(always)]
     pub fn gather(wave: &mut WaveState, items: &[u32], lobes: LobeSet) -> Self {
-        let at = Lookup::new(items);
+        let at = Lookup::ascending(items);
         let active = F::Mask::from_bits(0xff >> (8 - items.len()));
         let path = wave.paths.gather::<F>(&at);
         let context = wave.context;

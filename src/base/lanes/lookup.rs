@@ -36,6 +36,20 @@ impl Lookup {
         Self { at, first, last, is_run: off == 0 }
     }
 
+    /// From one to eight indices, each larger than the one before. Lanes beyond them repeat the last index.
+    #[inline(always)]
+    pub fn ascending(indices: &[u32]) -> Self {
+        let count = indices.len();
+        let (first, last) = (indices[0], indices[count - 1]);
+        debug_assert!(indices.is_sorted_by(|a, b| a < b));
+        let mut at = [last; 8];
+        match indices.try_into() {
+            Ok(all) => at = all,
+            Err(_) => at[..count].copy_from_slice(indices),
+        }
+        Self { at, first, last, is_run: count == 8 && last - first == 7 }
+    }
+
     /// `count` ≥ 1 consecutive indices from `first` on. Lanes beyond them repeat the last index.
     #[inline(always)]
     pub fn run(first: u32, count: usize) -> Self {

@@ -207,7 +207,11 @@ fn lanes_come_from_memory_and_go_there_in_their_order() {
     for bits in 0..256 {
         let scattered: [u32; 8] = std::array::from_fn(|_| (random.unit() * 40.0) as u32);
         let run = Lookup::run(bits % 30, 1 + bits as usize % 8);
-        for at in [Lookup::new(&scattered), Lookup::new(&scattered[..1 + bits as usize % 8]), run] {
+        let (count, mut ascending) = (1 + bits as usize % 8, scattered.to_vec());
+        ascending.sort_unstable();
+        ascending.dedup();
+        let ascending = Lookup::ascending(&ascending[..count.min(ascending.len())]);
+        for at in [Lookup::new(&scattered), Lookup::new(&scattered[..count]), ascending, run] {
             let gathered: [f64; 8] = std::array::from_fn(|lane| from[at.lane(lane) as usize]);
             let chosen: Vec<f64> = lanes(bits).map(|lane| gathered[lane]).collect();
             for (level, (row, doubles, singles, whole)) in

@@ -29,7 +29,9 @@ pub struct PreparedRay<F: Real> {
     along_y: F::Mask,
     /// The origin in the order of [`PreparedRay::turned`].
     origin: [F; 3],
-    /// 1 / the direction's component along its longest axis.
+    /// The direction's component along its longest axis, without sign.
+    pub longest: F,
+    /// 1 / that component, with its sign.
     pub per_longest: F,
     /// 1 / the square of the direction's length.
     pub per_square: F,
@@ -47,7 +49,9 @@ impl<F: Real> PreparedRay<F> {
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
         let per_square = one / ray.direction.length_squared();
         let (per_longest, origin, shear) = (one, [zero; 3], [zero; 2]);
-        let mut prepared = Self { ray, axes, along_x, along_y, origin, per_longest, per_square, shear };
+        let longest = length.max_element();
+        let mut prepared =
+            Self { ray, axes, along_x, along_y, origin, longest, per_longest, per_square, shear };
         let [x, y, z] = prepared.turned(ray.direction);
         prepared.per_longest = one / z;
         prepared.shear = [x * prepared.per_longest, y * prepared.per_longest];
@@ -66,6 +70,7 @@ impl<F: Real> PreparedRay<F> {
             along_x: F::Mask::splat(longest == 0),
             along_y: F::Mask::splat(longest == 1),
             origin: [F::splat(origin[x]), F::splat(origin[y]), F::splat(origin[longest])],
+            longest: F::splat(ray.longest),
             per_longest: F::splat(ray.inverse.to_array()[longest]),
             per_square: F::splat(1.0 / ray.ray.direction.length_squared()),
             shear: [F::splat(ray.shear[0]), F::splat(ray.shear[1])],

@@ -43,9 +43,9 @@ impl<F: Real> SideFilter<F> {
         let (a, b, whole) = (F::select(back, -a, a), F::select(back, -b, b), whole.abs());
         let margin = a.min(b).min(whole - a).min(whole - b);
         let size = u.abs().max_element() + v.abs().max_element();
-        let reach = longest(from) + F::splat(size);
+        let reach = from.abs().max_element() + F::splat(size);
         let rounding = reach * (reach + F::splat(corner.abs().max_element() + size));
-        let rounding = F::splat(256.0 * UNIT_ROUNDOFF) * longest(direction) * rounding;
+        let rounding = F::splat(256.0 * UNIT_ROUNDOFF) * ray.longest * rounding;
         let usable = rounding.lt(F::splat(LARGEST));
         let rounding = F::select(usable, rounding.max(F::splat(SMALLEST)), F::splat(f64::INFINITY));
         Self { inside: rounding.lt(margin), outside: margin.lt(-rounding) }
@@ -56,13 +56,6 @@ impl<F: Real> SideFilter<F> {
 const SMALLEST: f64 = f64::from_bits((1023 - 900) << 52);
 /// 2^900.
 const LARGEST: f64 = f64::from_bits((1023 + 900) << 52);
-
-/// The largest coordinate without its sign.
-#[inline(always)]
-fn longest<F: Real>(v: Vec3<F>) -> F {
-    let v = v.abs();
-    v.x.max(v.y).max(v.z)
-}
 
 #[cfg(test)]
 mod tests {
