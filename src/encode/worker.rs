@@ -145,6 +145,7 @@ impl Worker {
         let frame = self.job.frames[index];
         let _span = info_span!("encode", frame).entered();
         let noise = film.noise.map(|noise| noise.error);
+        let denoised = film.noise.and_then(|noise| noise.denoised);
         let (start, before) = (Instant::now(), self.bytes);
         self.film(index, film, lease).map_err(|error| match error {
             EncodeError::Interrupted { signal, .. } => EncodeError::Interrupted { signal, done: self.done },
@@ -157,6 +158,7 @@ impl Worker {
             encode_s = start.elapsed().as_secs_f64(),
             bytes = self.bytes - before,
             noise,
+            denoised,
             "encoded"
         );
         Ok(())

@@ -126,6 +126,21 @@ fn metrics_add_up_to_the_summary() {
 }
 
 #[test]
+fn metrics_name_the_frames_that_were_denoised() {
+    let folder = folder();
+    let paths = DIMMED.replacen("(48, 32)),", "(48, 32)), quality: (integrator: Path(), samples: 16),", 1);
+    fs::write(folder.path().join("paths.ron"), paths).expect("a disk");
+    let metrics = |extra: &[&str]| {
+        let command = ["render", "paths.ron", "-o", "p_##.png", "--overwrite", "--metrics", "m.jsonl"];
+        kinora(folder.path(), &[&command[..], extra].concat());
+        lines(&folder.path().join("m.jsonl"))
+    };
+    assert!(metrics(&[]).iter().all(|line| line["denoised"].is_null() && line["noise"].is_null()));
+    let denoised = metrics(&["--denoise=alone"]);
+    assert!(denoised.iter().all(|line| line["denoised"].is_boolean() && line["noise"].is_number()));
+}
+
+#[test]
 fn files_that_clash_are_refused_and_nothing_is_written() {
     let folder = folder();
     let before = contents(folder.path());

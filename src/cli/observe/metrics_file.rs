@@ -14,7 +14,7 @@ pub struct MetricsFile {
 }
 
 /// The keys of a line in order. Those with a dot are in an object.
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 17] = [
     "frame",
     "film",
     "wall_s",
@@ -31,6 +31,7 @@ const KEYS: [&str; 16] = [
     "bvh_builds",
     "bvh_refits",
     "noise",
+    "denoised",
 ];
 
 impl MetricsFile {

@@ -7,26 +7,36 @@ use serde_json::{Map, Value, json};
 /// At most this many frames have a line each. For more frames, read the files or the JSON summary.
 const MAX_LISTED_FRAMES: usize = 12;
 
+/// In place of an error that could not be measured.
+const UNKNOWN: &str = "unknown: there are too few pixels to measure it";
+
 /// The remaining error if there was a target: of the worst frame, with its range.
 pub fn lines(noise: &[(u32, Noise)]) -> Vec<String> {
     let worst = noise.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error));
     let Some((frame, worst)) = worst else { return Vec::new() };
     let percent = |error: f64| format!("{:.2}", 100.0 * error);
     let (error, low, high) = (percent(worst.error), percent(worst.low), percent(worst.high));
-    let range = format!("{error} % of the brightness ({low} to {high} with 95 % confidence)");
+    let range = match [worst.error, worst.high].map(f64::is_finite) {
+        [true, true] => format!("{error} % of the brightness ({low} to {high} with 95 % confidence)"),
+        [true, false] => format!("{error} % of the brightness (at least {low} with 95 % confidence)"),
+        [false, _] => UNKNOWN.to_owned(),
+    };
     let count = noise.len() as f64;
     let samples = noise.iter().map(|(_, noise)| noise.samples).sum::<f64>() / count;
     let mut lines = match noise.len() {
         1 => vec![range],
+        _ if !worst.error.is_finite() => vec![format!("{range}, in frame {frame}")],
         _ => vec![format!("at most {range}, in frame {frame}")],
     };
     if (2..=MAX_LISTED_FRAMES).contains(&noise.len()) {
         let row = |(frame, noise): &(u32, Noise)| {
-            let errors = [noise.error, noise.low, noise.high].map(percent);
-            format!(
-                "frame {frame}: {} % ({} to {}), {:.0} samples",
-                errors[0], errors[1], errors[2], noise.samples
-            )
+            let [error, low, high] = [noise.error, noise.low, noise.high].map(percent);
+            let error = match [noise.error, noise.high].map(f64::is_finite) {
+                [true, true] => format!("{error} % ({low} to {high})"),
+                [true, false] => format!("{error} % (at least {low})"),
+                [false, _] => UNKNOWN.to_owned(),
+            };
+            format!("frame {frame}: {error}, {:.0} samples", noise.samples)
         };
         lines.extend(noise.iter().map(row));
     }
@@ -85,6 +95,22 @@ mod tests {
     fn errors(frames: &[Option<bool>]) -> Vec<(u32, Noise)> {
         let noise = |denoised: &Option<bool>| Noise { error: 0.5, denoised: *denoised, ..Noise::default() };
         (0..).zip(frames.iter().map(noise)).collect()
+    }
+
+    #[test]
+    fn errors_that_are_unknown_are_no_numbers() {
+        let noise = |error: f64, high: f64| Noise { error, high, samples: 16.0, ..Noise::default() };
+        let infinity = f64::INFINITY;
+        assert_eq!(lines(&[(3, noise(infinity, infinity))])[0], UNKNOWN);
+        let both = lines(&[(3, noise(infinity, infinity)), (4, noise(0.5, infinity))]);
+        let expected = [
+            format!("{UNKNOWN}, in frame 3"),
+            format!("frame 3: {UNKNOWN}, 16 samples"),
+            "frame 4: 50.00 % (at least 0.00), 16 samples".to_owned(),
+        ];
+        assert_eq!(both[..3], expected);
+        let range = "50.00 % of the brightness (at least 0.00 with 95 % confidence)";
+        assert_eq!(lines(&[(4, noise(0.5, infinity))])[0], range);
     }
 
     #[test]
