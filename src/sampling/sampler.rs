@@ -48,14 +48,13 @@ pub enum SamplerKind {
 
 /// The random numbers of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PixelSampler(u32, SamplerKind);
+pub struct PixelSampler(u32);
 
 /// The random numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampler {
-    start: u32,
+    pixel_hash: u32,
     sample: u32,
-    kind: SamplerKind,
 }
 
 /// The number of samples of one stratified run. More samples take several runs.
@@ -64,18 +63,13 @@ const RUN_LENGTH: u32 = 1 << 16;
 impl PixelSampler {
     /// The random numbers of the pixel at (`x`, `y`).
     pub fn new((x, y): (u32, u32), seed: u32) -> Self {
-        Self(hash([seed, x, y]), SamplerKind::Sobol)
-    }
-
-    /// The sampler with another distribution of numbers.
-    pub fn with_kind(self, kind: SamplerKind) -> Self {
-        Self(self.0, kind)
+        Self(hash([seed, x, y]))
     }
 
     /// The random numbers of one sample of the pixel.
     pub fn sample(self, sample: u32) -> Sampler {
         let pixel = if sample < RUN_LENGTH { self.0 } else { hash([self.0, sample / RUN_LENGTH, 0]) };
-        Sampler { start: hash_start(pixel), sample: sample % RUN_LENGTH, kind: self.1 }
+        Sampler { pixel_hash: hash_start(pixel), sample: sample % RUN_LENGTH }
     }
 
     /// The one of `count` equal parts of a time interval that a sample sees: the radical inverse of its number (van
@@ -115,29 +109,36 @@ impl TimePart {
         Self { part, count, bits, first_cell, cells: (last_cell - first_cell + 1) as usize }
     }
 
-    /// The samples of a pixel in a range that see this part, ascending.
-    pub fn samples(self, pixel: PixelSampler, range: Range<u32>) -> impl Iterator<Item = u32> {
+    /// Passes the samples of a pixel in a range that see this part to `take`, ascending.
+    pub fn each_sample(self, pixel: PixelSampler, range: Range<u32>, mut take: impl FnMut(u32)) {
         let (start, end) = (u64::from(range.start), u64::from(range.end));
-        let (stride, mut firsts) = (1u64 << self.bits, [u64::MAX; 3]);
-        for (cell, first) in (self.first_cell..).zip(&mut firsts[..self.cells]) {
+        let (stride, mut tried) = (1u64 << self.bits, [u64::MAX; 3]);
+        let tried = &mut tried[..self.cells];
+        for (cell, number) in (self.first_cell..).zip(&mut *tried) {
             let fraction = (cell << (32 - self.bits)) as u32 ^ pixel.time_shift();
             // The first number of the range with these last bits.
             let last_bits = u64::from(fraction.reverse_bits());
-            *first = start + (last_bits.wrapping_sub(start) & (stride - 1));
+            *number = start + (last_bits.wrapping_sub(start) & (stride - 1));
         }
-        firsts.sort_unstable();
-        let rounds = (0..end).step_by(stride as usize);
-        let tried =
-            rounds.flat_map(move |round| firsts.into_iter().take(self.cells).map(move |first| first + round));
-        let tried = tried.take_while(move |number| *number < end).map(|number| number as u32);
-        tried.filter(move |number| pixel.part_of_time(*number, self.count) == self.part)
+        tried.sort_unstable();
+        loop {
+            for number in &mut *tried {
+                if *number >= end {
+                    return;
+                }
+                if pixel.part_of_time(*number as u32, self.count) == self.part {
+                    take(*number as u32);
+                }
+                *number += stride;
+            }
+        }
     }
 }
 
 impl Sampler {
-    /// The start of all hashes of the pixel, on which its random numbers depend.
-    pub fn start(&self) -> u32 {
-        self.start
+    /// The state of the pixel's hashes after their first number. The random numbers depend on it.
+    pub fn pixel_hash(&self) -> u32 {
+        self.pixel_hash
     }
 
     /// The index of the sample in its run, below 2^16.
@@ -147,15 +148,15 @@ impl Sampler {
 
     /// The sampler of one lane.
     pub fn lanes(&self) -> LaneSampler<f64> {
-        LaneSampler { start: self.start, sample: self.sample, kind: self.kind }
+        LaneSampler { pixel_hash: self.pixel_hash, sample: self.sample, kind: SamplerKind::Sobol }
     }
 }
 
 /// The random numbers of one sample in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneSampler<F: Real> {
-    /// The start of all hashes of the pixel.
-    pub start: F::U32,
+    /// [`Sampler::pixel_hash`].
+    pub pixel_hash: F::U32,
     pub sample: F::U32,
     pub kind: SamplerKind,
 }
@@ -178,8 +179,8 @@ impl<F: Real, const N: usize> LaneKernel<F::Level> for Numbers<'_, F, N> {
 
     #[inline(always)]
     fn run(self) -> [F; N] {
-        let LaneSampler { start, sample, kind } = *self.sampler;
-        let seed = hash_from(start, [self.of, F::U32::splat(0)]);
+        let LaneSampler { pixel_hash, sample, kind } = *self.sampler;
+        let seed = hash_from(pixel_hash, [self.of, F::U32::splat(0)]);
         match kind {
             SamplerKind::Sobol => sobol::point::<F, N>(sample, seed),
             SamplerKind::Independent => {
@@ -230,14 +231,17 @@ mod tests {
 
     #[test]
     fn samples_are_found_by_their_part_of_time() {
-        for count in [1, 2, 3, 5, 7, 8, 16, 31, 32, 33, 100, 1024, 1500] {
-            for (pixel, samples) in [((0, 0), 0..64), ((5, 3), 17..200), ((8, 1), 3..3), ((2, 9), 1000..5001)]
-            {
-                let pixel = PixelSampler::new(pixel, 4);
+        let long = [1000..5001, RUN_LENGTH - 9..RUN_LENGTH + 90, u32::MAX - 70..u32::MAX];
+        let ranges = [&[0..64, 17..200, 3..3][..], &long].concat();
+        for count in [1, 2, 3, 5, 7, 8, 16, 31, 32, 33, 100, 1024, 1500, 4096] {
+            for (x, samples) in (0..).zip(&ranges) {
+                let pixel = PixelSampler::new((x, 3), 4);
                 for part in (0..count).filter(|part| count < 50 || part % 37 == 0 || part + 1 == count) {
                     let all: Vec<_> =
                         samples.clone().filter(|sample| pixel.part_of_time(*sample, count) == part).collect();
-                    let found: Vec<_> = TimePart::new(part, count).samples(pixel, samples.clone()).collect();
+                    let mut found = Vec::new();
+                    TimePart::new(part, count)
+                        .each_sample(pixel, samples.clone(), |sample| found.push(sample));
                     assert_eq!(found, all, "{part} of {count}, {samples:?}");
                 }
             }

@@ -31,8 +31,8 @@ pub fn point<F: Real, const N: usize>(sample: F::U32, seed: F::U32) -> [F; N] {
     let mut point = [F::splat(0.0); N];
     for dimension in 0..N {
         let row = match dimension {
-            0 => first(index),
-            1 => second(index),
+            0 => radical_inverse(index),
+            1 => pascal(index),
             _ => looked_up::<F>(index, dimension - 2),
         };
         let scramble = mixed(spread.xor(F::U32::splat(DIMENSIONS[dimension])));
@@ -43,16 +43,17 @@ pub fn point<F: Real, const N: usize>(sample: F::U32, seed: F::U32) -> [F; N] {
 
 /// The first dimension of the points of bit-reversed indices, bit-reversed: the radical inverse of van der Corput.
 #[inline(always)]
-fn first<U: Bits>(index: U) -> U {
+fn radical_inverse<U: Bits>(index: U) -> U {
     index.reverse_bits().and(U::splat(0xffff))
 }
 
-/// The second dimension of the points of bit-reversed indices, bit-reversed. Bit j is the exclusive or of those bits k
-/// of the index for which the binomial coefficient of k over j is odd: by Lucas, those that contain all bits of j. So
-/// the bits of k are cleared one after the other.
+/// The second dimension of the points of bit-reversed indices, bit-reversed: the product of the index and Pascal's triangle
+/// modulo 2. Bit j is the exclusive or of those bits k of the index for which the binomial coefficient of k over j is odd:
+/// by Lucas, those k that contain all bits of j. The step by s adds bit j + s to bit j wherever j lacks s, so after the
+/// steps by 1, 2, 4 and 8, bit j is the sum over all k that contain j.
 #[inline(always)]
-fn second<U: Bits>(index: U) -> U {
-    let n = first(index);
+fn pascal<U: Bits>(index: U) -> U {
+    let n = radical_inverse(index);
     let n = n.xor(n.shr::<1>().and(U::splat(0x5555)));
     let n = n.xor(n.shr::<2>().and(U::splat(0x3333)));
     let n = n.xor(n.shr::<4>().and(U::splat(0x0f0f)));

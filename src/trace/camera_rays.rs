@@ -16,8 +16,8 @@ pub struct PixelSamples {
     y: Vec<u32>,
     /// The numbers of the samples within their pixels, as grids count them.
     number: Vec<u32>,
-    /// Keys of the random numbers: the starts of the pixels' hashes, and the numbers of the samples in their runs.
-    start: Vec<u32>,
+    /// What the random numbers depend on: the pixels' hashes, and the numbers of the samples in their runs.
+    pixel_hash: Vec<u32>,
     sample: Vec<u32>,
     /// Positions in pixels from the left and from the top of the picture, if they are given.
     position: [Vec<f64>; 2],
@@ -45,7 +45,7 @@ impl PixelSamples {
             x: column(),
             y: column(),
             number: column(),
-            start: column(),
+            pixel_hash: column(),
             sample: column(),
             position,
         }
@@ -64,8 +64,8 @@ impl PixelSamples {
     pub fn extend(&mut self, group: &SampleGroup) {
         // Eight numbers are copied at once. Those behind the group are overwritten later.
         let slots = self.len..self.len + 8;
-        let Self { x, y, number, start, sample, .. } = self;
-        for (column, values) in [x, y, number, start, sample].into_iter().zip(&group.columns) {
+        let Self { x, y, number, pixel_hash, sample, .. } = self;
+        for (column, values) in [x, y, number, pixel_hash, sample].into_iter().zip(&group.columns) {
             column[slots.clone()].copy_from_slice(values);
         }
         self.len += group.count;
@@ -74,7 +74,7 @@ impl PixelSamples {
     /// Adds a sample at a position of the picture. There must be room for it.
     #[inline]
     pub fn push_at(&mut self, [across, down]: [f64; 2], sampler: Sampler) {
-        (self.start[self.len], self.sample[self.len]) = (sampler.start(), sampler.sample());
+        (self.pixel_hash[self.len], self.sample[self.len]) = (sampler.pixel_hash(), sampler.sample());
         (self.position[0][self.len], self.position[1][self.len]) = (across, down);
         self.len += 1;
     }
@@ -94,7 +94,7 @@ impl PixelSamples {
         }
         let at = Lookup::new(&at[..F::LANES]);
         LaneSampler {
-            start: Row::gather(&self.start, &at),
+            pixel_hash: Row::gather(&self.pixel_hash, &at),
             sample: Row::gather(&self.sample, &at),
             kind: points,
         }
@@ -116,7 +116,7 @@ impl SampleGroup {
     #[inline(always)]
     pub fn push(&mut self, place: u32, (x, y): (u32, u32), number: u32, sampler: Sampler) -> bool {
         let at = self.count & 7;
-        let values = [x, y, number, sampler.start(), sampler.sample()];
+        let values = [x, y, number, sampler.pixel_hash(), sampler.sample()];
         for (column, value) in self.columns.iter_mut().zip(values) {
             column[at] = value;
         }
@@ -179,7 +179,7 @@ struct LaneSamples<F: Real> {
     left: F,
     top: F,
     number: F,
-    start: F::U32,
+    pixel_hash: F::U32,
     sample: F::U32,
     slot: F::U32,
 }
@@ -198,7 +198,7 @@ impl<F: Real> LaneSamples<F> {
             left: left.to_f64(),
             top: top.to_f64(),
             number: number.to_f64(),
-            start: Row::gather(&samples.start, &at),
+            pixel_hash: Row::gather(&samples.pixel_hash, &at),
             sample: Row::gather(&samples.sample, &at),
             slot: Row::load(&slots, 0),
         }
@@ -217,7 +217,7 @@ impl<F: Real> LaneSamples<F> {
     #[inline(always)]
     fn at_random(&self, context: &TraceContext, lens: bool) -> [F; 4] {
         let points = context.quality.points;
-        let sampler = LaneSampler::<F> { start: self.start, sample: self.sample, kind: points };
+        let sampler = LaneSampler::<F> { pixel_hash: self.pixel_hash, sample: self.sample, kind: points };
         let camera = F::U32::splat(dimension::CAMERA);
         if lens {
             return sampler.numbers::<4>(camera);

@@ -147,7 +147,8 @@ impl<'a> PixelTracer<'a> {
     /// samples of one pixel, or one sample each of eight neighbours.
     #[inline]
     pub fn each_group(&self, pixels: &[(u32, u32)], set: &SampleSet, mut take: impl FnMut(&SampleGroup)) {
-        if self.moment.of > 1 {
+        let Moment { index, of } = self.moment;
+        if of > 1 && set.samples.len() >= MANY {
             return self.each_group_of_part(pixels, set, &mut take);
         }
         let at_once = if set.samples.len() < 8 { 8 } else { 1 };
@@ -161,6 +162,9 @@ impl<'a> PixelTracer<'a> {
             }
             for number in set.samples.clone() {
                 for (place, (pixel, numbers)) in pixels.iter().zip(&numbers).enumerate() {
+                    if of > 1 && numbers.part_of_time(number, of) != index {
+                        continue;
+                    }
                     let place = (block * at_once + place) as u32;
                     if group.push(place, *pixel, number, numbers.sample(number)) {
                         take(&group);
@@ -172,40 +176,23 @@ impl<'a> PixelTracer<'a> {
         take(&group);
     }
 
-    /// [`PixelTracer::each_group`] if a frame has several moments, of which each sample sees one.
+    /// [`PixelTracer::each_group`] for many samples of a pixel, of which few see this moment.
     #[inline(never)]
     fn each_group_of_part(&self, pixels: &[(u32, u32)], set: &SampleSet, take: &mut dyn FnMut(&SampleGroup)) {
         let part = TimePart::new(self.moment.index, self.moment.of);
-        let (all, mut group) = (set.samples.clone(), SampleGroup::default());
-        let mut add = |place: usize, pixel: (u32, u32), number: u32, numbers: PixelSampler| {
-            if group.push(place as u32, pixel, number, numbers.sample(number)) {
-                take(&group);
-                group.clear();
-            }
-        };
-        if all.len() >= 8 {
-            for (place, pixel) in pixels.iter().enumerate() {
-                let numbers = PixelSampler::new(*pixel, set.seed);
-                part.samples(numbers, all.clone()).for_each(|number| add(place, *pixel, number, numbers));
-            }
-        } else {
-            for (block, pixels) in pixels.chunks(8).enumerate() {
-                // A bit for each sample that sees the part.
-                let (mut numbers, mut chosen) = ([PixelSampler::new((0, 0), 0); 8], [0u8; 8]);
-                for ((numbers, chosen), pixel) in numbers.iter_mut().zip(&mut chosen).zip(pixels) {
-                    *numbers = PixelSampler::new(*pixel, set.seed);
-                    let seen = part.samples(*numbers, all.clone());
-                    *chosen = seen.fold(0, |chosen, number| chosen | 1 << (number - all.start));
+        let mut group = SampleGroup::default();
+        for (place, pixel) in (0..).zip(pixels) {
+            let numbers = PixelSampler::new(*pixel, set.seed);
+            part.each_sample(numbers, set.samples.clone(), |number| {
+                if group.push(place, *pixel, number, numbers.sample(number)) {
+                    take(&group);
+                    group.clear();
                 }
-                for number in all.clone() {
-                    for (place, pixel) in pixels.iter().enumerate() {
-                        if chosen[place] >> (number - all.start) & 1 == 1 {
-                            add(8 * block + place, *pixel, number, numbers[place]);
-                        }
-                    }
-                }
-            }
+            });
         }
         take(&group);
     }
 }
+
+/// From so many samples of a pixel on, those of a moment are found faster by their numbers than by trying all.
+const MANY: usize = 16;

@@ -55,7 +55,7 @@ pub struct ShadingContext<F: Real> {
     pub is_final: F::Mask,
     /// The random numbers of the paths, if the scene needs any.
     sampler: LaneSampler<F>,
-    /// Their key, if it is the same for all paths.
+    /// The key of the random numbers at the surfaces, if all paths share it.
     common_key: Option<u32>,
 }
 
@@ -85,7 +85,7 @@ impl<F: Real> ShadingContext<F> {
         let points = context.quality.points;
         let sampler = match context.is_random {
             true => wave.samples.sampler(path.slot, points),
-            false => LaneSampler { start: path.key, sample: path.key, kind: points },
+            false => LaneSampler { pixel_hash: path.key, sample: path.key, kind: points },
         };
         Self {
             active,
