@@ -81,6 +81,8 @@ fn lookup(image: &Image, uv: DVec2) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::lanes::tests::on_all_levels;
+    use crate::base::lanes::{Level, SimdKernel, dispatch};
     use crate::testing::Random;
 
     #[test]
@@ -110,6 +112,43 @@ mod tests {
         assert_eq!(radiance(-1.0, 0.0, 0.0), Rgb::new(1.5, 1.5, 0.0));
         assert_eq!(radiance(0.0, 0.0, 1.0).x, 3.5, "the seam mixes the columns 0 and 7");
         assert_eq!((radiance(0.0, 1.0, 0.0).y, radiance(0.0, -1.0, 0.0).y), (0.0, 3.0));
+    }
+
+    struct Eight<'a>(&'a Sky, [DVec3; 8]);
+
+    impl SimdKernel for Eight<'_> {
+        type Output = [Rgb; 8];
+
+        #[inline(always)]
+        fn run<L: Level>(self) -> [Rgb; 8] {
+            let [x, y, z] = [0, 1, 2].map(|axis| L::F64::from_array(self.1.map(|direction| direction[axis])));
+            let light = self.0.radiance(Vec3::new(x, y, z));
+            let (r, g, b) = (light.r.to_array(), light.g.to_array(), light.b.to_array());
+            std::array::from_fn(|lane| Rgb::new(r[lane], g[lane], b[lane]))
+        }
+    }
+
+    /// On all levels, eight directions have the radiance that each has alone, some of them zero or not finite.
+    #[test]
+    fn eight_directions_agree_with_single_ones() {
+        let mut random = Random(14);
+        let face = |face: u8| {
+            let texels = (0..16u8).map(|i| Rgb::new(i.into(), face.into(), 1.0));
+            Image::new(4, 4, texels.collect()).expect("a face")
+        };
+        let map = CubeMap::new([0, 1, 2, 3, 4, 5].map(face).each_ref()).expect("a cube map");
+        let odd = [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY, DVec3::new(1.0, f64::NAN, 0.0), DVec3::ONE];
+        for sky in [numbered(), Sky::CubeMap(SharedAsset::new(map))] {
+            for _ in 0..1000 {
+                let mut directions: [DVec3; 8] = std::array::from_fn(|_| random.direction());
+                let place = (random.unit() * 8.0) as usize;
+                directions[place] = odd[(random.unit() * 5.0) as usize];
+                let alone = directions.map(|direction| sky.radiance_from(direction));
+                for (level, all) in on_all_levels(|| dispatch(Eight(&sky, directions))) {
+                    assert_eq!(all, alone, "{level:?} {directions:?}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -1,15 +1,9 @@
-//! Gradient noise: a smooth pseudorandom function of space.
+//! Gradient noise: a smooth pseudorandom function of space (Perlin, *Improving Noise*, 2002), with another hash. Its values
+//! are in about -1..=1. They are 0 where all coordinates are whole numbers.
 
 use super::footprint::contrast;
 use crate::base::lanes::{Level, Real, Row, SimdKernel, dispatch};
 use crate::base::math::DVec3;
-
-/// Gradient noise (Perlin, *Improving Noise*, 2002) with another hash. Its values are in about -1..=1. They are 0 where
-/// all coordinates are whole numbers.
-#[cfg(test)]
-pub fn noise(point: DVec3, seed: u32) -> f64 {
-    fractal_noise(point, 1, seed, 0.0)
-}
 
 /// The normalised sum of `octaves` octaves of noise, each with half the size and half the strength of the one before.
 /// Octaves that are too small for a pixel of `width` units fade out.
@@ -130,6 +124,10 @@ fn hashed(hash: u64, coordinate: u64) -> u64 {
 mod tests {
     use super::*;
     use crate::testing::Random;
+
+    fn noise(point: DVec3, seed: u32) -> f64 {
+        fractal_noise(point, 1, seed, 0.0)
+    }
 
     #[test]
     fn zero_at_whole_points_and_smooth_between() {

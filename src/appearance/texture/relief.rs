@@ -62,7 +62,8 @@ impl<'a> Neighbours<'a> {
     }
 
     /// The derivatives along both axes of a function of contexts, each from the mean of the differences on both sides. A
-    /// side on which u or v jumps by half a map does not count: it lies beyond a seam.
+    /// side on which u or v jumps by half a map does not count: it lies beyond a seam. If u and v are not read, they stay
+    /// those of the point, and no side is left out.
     fn derivatives(&self, of: impl Fn(&TextureEvalContext<'a>) -> DVec2) -> [DVec2; 2] {
         let here = of(self.context);
         [0, 1].map(|axis| {
@@ -111,11 +112,12 @@ pub fn mapped(texture: &Texture, strength: f64, context: &TextureEvalContext<'_>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::appearance::texture::{Image, SharedAsset};
+    use crate::appearance::texture::{Image, Pattern, PatternTexture, SharedAsset, TextureSpace};
     use crate::appearance::texture::{ImageTextureTracks, TextureMappingTracks, TextureTracks, Wrap};
     use crate::base::color::Rgb;
     use crate::base::time::Time;
-    use crate::geometry::shape::{Plane, Rectangle};
+    use crate::geometry::shape::{Plane, Rectangle, Sphere};
+    use crate::testing::Random;
 
     fn image(width: u32, texels: Vec<Rgb>) -> Texture {
         let height = texels.len() as u32 / width;
@@ -151,6 +153,29 @@ mod tests {
         // Beyond the last centre, the image is flat.
         let flat = context(&square, DVec3::new(0.9, 0.4, 0.0));
         assert_eq!(raised(&ramp, 0.25, &flat, DVec3::Z), DVec3::Z);
+    }
+
+    /// Heights that read no u and v have no seam: u and v change nothing, though they jump between the neighbours.
+    #[test]
+    fn heights_of_points_ignore_u_and_v() {
+        let ball = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });
+        let noise = Texture::Pattern(Box::new(PatternTexture {
+            pattern: Pattern::Noise { octaves: 2, seed: 1 },
+            space: TextureSpace::Object,
+            mapping: TextureMappingTracks::default().at(Time::from_integer(0)),
+            first: Rgb::ZERO.into(),
+            second: Rgb::ONE.into(),
+        }));
+        let mut random = Random(4);
+        for _ in 0..1000 {
+            let mut point = random.direction();
+            if random.unit() < 0.5 {
+                point = DVec3::new(1e-6 * random.unit(), point.y, point.z).normalize();
+            }
+            let at = context(&ball, point);
+            let without = TextureEvalContext { uv: DVec2::ZERO, ..at };
+            assert_eq!(raised(&noise, 0.1, &at, point), raised(&noise, 0.1, &without, point), "{point}");
+        }
     }
 
     #[test]

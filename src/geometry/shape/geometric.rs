@@ -86,8 +86,8 @@ pub trait Geometric: Clone + PartialEq + Content {
     }
 
     /// Samples points that `from` may see. Returns the points, their parts and their densities per steradian at
-    /// `from`; 0 if no point is visible. Directions are sampled in a frame turned from the axes `eye`, which vary smoothly from point
-    /// to point.
+    /// `from`; 0 if no point is visible. Directions are sampled in a frame turned from the axes `eye`, which vary
+    /// smoothly from point to point.
     #[inline(always)]
     fn sample_from<F: Real>(
         &self,

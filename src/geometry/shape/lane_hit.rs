@@ -38,6 +38,21 @@ impl<F: Real> LaneHit<F> {
         Self { t: F::splat(f64::INFINITY), part: F::U32::splat(0), coincident: F::Mask::splat(false) }
     }
 
+    /// The hits of single rays, one per lane.
+    #[inline(always)]
+    pub fn from_lanes(hits: &[Option<ShapeHit>; 8]) -> Self {
+        let (mut t, mut part) = (F::splat(f64::INFINITY).to_array(), F::U32::splat(0).to_array());
+        let mut coincident = 0;
+        for lane in 0..F::LANES {
+            if let Some(at) = hits[lane] {
+                (t[lane], part[lane]) = (at.t, at.part);
+                coincident |= u32::from(at.coincident) << lane;
+            }
+        }
+        let (t, part) = (F::from_array(t), F::U32::from_array(part));
+        Self { t, part, coincident: F::Mask::from_bits(coincident) }
+    }
+
     /// Hits at t in the lanes of a mask, if they are within bounds.
     #[inline(always)]
     pub fn within(mask: F::Mask, t: F, within: RayInterval<F>) -> Self {

@@ -1,7 +1,7 @@
 //! Searches along the rays of lanes, one ray at a time: for shapes that lanes would search in different places.
 
 use super::{LaneHit, PreparedRay, RayInterval, ShapeHit, StoredRays, store_lanes};
-use crate::base::lanes::{Mask, Real, Row, lanes};
+use crate::base::lanes::{Mask, Real, lanes};
 use crate::geometry::bvh::TraversalRay;
 
 /// Searches along the ray of each lane that may hit something.
@@ -26,17 +26,7 @@ pub fn first_hits<F: Real>(
     within: RayInterval<F>,
     mut first: impl FnMut(&TraversalRay, RayInterval<f64>) -> Option<ShapeHit>,
 ) -> LaneHit<F> {
-    let (mut t, mut parts) = (F::splat(f64::INFINITY).to_array(), F::U32::splat(0).to_array());
-    let mut coincident = 0;
-    search_each(ray, within, |lane, ray, span| {
-        if let Some(at) = first(ray, span) {
-            (t[lane], parts[lane]) = (at.t, at.part);
-            coincident |= u32::from(at.coincident) << lane;
-        }
-    });
-    LaneHit {
-        t: F::from_array(t),
-        part: F::U32::from_array(parts),
-        coincident: F::Mask::from_bits(coincident),
-    }
+    let mut hits = [None; 8];
+    search_each(ray, within, |lane, ray, span| hits[lane] = first(ray, span));
+    LaneHit::from_lanes(&hits)
 }

@@ -23,6 +23,10 @@ pub struct PartHit {
 }
 
 impl PartHit {
+    fn new(t: f64, part: u32, Crossing { error, along, may_touch }: Crossing<f64>) -> Self {
+        Self { t, error, part, along, may_touch }
+    }
+
     pub fn enters(&self) -> bool {
         self.along < 0.0
     }
@@ -37,7 +41,7 @@ impl Crossings {
         &self.0[lane]
     }
 
-    pub fn clear(&mut self) {
+    fn clear(&mut self) {
         self.0.iter_mut().for_each(Vec::clear);
     }
 
@@ -56,8 +60,8 @@ impl Crossings {
             Shape::Solid(solid) => {
                 let found = solid.hits(rays, wanted);
                 for lane in lanes(wanted.bits()) {
-                    let ray = TraversalRay::new(stored.one(lane));
-                    self.take(lane, (shape, &ray), found.of(lane), range.lane(lane));
+                    let (ray, range) = (LaneRay::from(&stored.one(lane)), range.lane(lane));
+                    found.of(lane).iter().for_each(|at| self.take(lane, (shape, &ray), *at, range));
                 }
             }
             _ => self.find_each(shape, rays, range, wanted),
@@ -92,27 +96,24 @@ impl Crossings {
 
     #[inline(never)]
     fn search(&mut self, lane: usize, shape: &Shape, ray: &TraversalRay, range: CoincidenceRange<f64>) {
-        let mut hits = Vec::new();
-        shape.each_crossing(ray, RayInterval::up_to(f64::INFINITY), &mut |at| hits.push(at));
-        self.take(lane, (shape, ray), &hits, range);
+        let own = LaneRay::from(&ray.ray);
+        shape.each_crossing(ray, RayInterval::up_to(f64::INFINITY), &mut |at| {
+            self.take(lane, (shape, &own), at, range);
+        });
     }
 
-    /// Adds hits of one ray.
+    /// Adds a hit of one ray.
     #[inline(never)]
     fn take(
         &mut self,
         lane: usize,
-        (shape, ray): (&Shape, &TraversalRay),
-        hits: &[ShapeHit],
+        (shape, ray): (&Shape, &LaneRay<f64>),
+        at: ShapeHit,
         range: CoincidenceRange<f64>,
     ) {
-        let ray = LaneRay::<f64>::from(&ray.ray);
-        for at in hits {
-            let at = LaneHit::from(*at);
-            let crossing = crossing(&ray, at.t, &shape.surface(&ray, at, 0.0), range);
-            let Crossing { error, along, may_touch } = crossing;
-            self.0[lane].push(PartHit { t: at.t, error, part: at.part, along, may_touch });
-        }
+        let at = LaneHit::from(at);
+        let crossing = crossing(ray, at.t, &shape.surface(ray, at, 0.0), range);
+        self.0[lane].push(PartHit::new(at.t, at.part, crossing));
     }
 
     #[inline(always)]
@@ -126,9 +127,9 @@ impl Crossings {
         let Crossing { error, along, may_touch } = crossing(ray, at.t, surface, range);
         let ([t, error, along], parts) = ([at.t, error, along].map(store_lanes), at.part.to_array());
         for lane in lanes(wanted.bits()) {
-            let may_touch = may_touch.bits() >> lane & 1 == 1;
-            let (t, error, along) = (t[lane], error[lane], along[lane]);
-            self.0[lane].push(PartHit { t, error, part: parts[lane], along, may_touch });
+            let (error, along, may_touch) = (error[lane], along[lane], may_touch.bits() >> lane & 1 == 1);
+            let crossing = Crossing::<f64> { error, along, may_touch };
+            self.0[lane].push(PartHit::new(t[lane], parts[lane], crossing));
         }
     }
 }

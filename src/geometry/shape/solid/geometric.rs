@@ -1,9 +1,10 @@
 //! Solids made of solids as shapes.
 
+use super::box_test::BoxTest;
 use super::{Operation, Solid};
 use crate::base::color::Rgb;
 use crate::base::lanes::{Mask, Real, Row, Select, Vec3, lanes, out_of_line};
-use crate::base::math::{self, Aabb, DAffine3, DVec3, LaneRay, gamma};
+use crate::base::math::{self, Aabb, DAffine3, DVec3, LaneRay};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{
     Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, ShapeHit, store_lanes,
@@ -26,29 +27,18 @@ out_of_line! {
     ) -> LaneHit<F> {
         let mut wanted = within.min.lt(within.max);
         if let Some(bounds) = &solid.0.surroundings {
-            let Vec3 { x, y, z } = ray.ray.direction;
-            let one = F::splat(1.0);
-            let inverse = Vec3::new(one / x, one / y, one / z);
-            wanted = wanted & may_meet(bounds, (ray.ray.origin, inverse), within);
+            wanted = wanted & BoxTest::new(&ray.ray).may_meet(bounds, within);
         }
         if !wanted.any() {
             return LaneHit::none();
         }
         let (found, [min, max]) = (solid.hits(ray, wanted), [within.min, within.max].map(store_lanes));
-        let (mut t, mut parts) = (F::splat(f64::INFINITY).to_array(), F::U32::splat(0).to_array());
-        let mut coincident = 0;
+        let mut hits = [None; 8];
         for lane in lanes(wanted.bits()) {
             let mut inside = found.of(lane).iter().filter(|at| min[lane] < at.t && at.t < max[lane]);
-            if let Some(at) = inside.next() {
-                (t[lane], parts[lane]) = (at.t, at.part);
-                coincident |= u32::from(at.coincident) << lane;
-            }
+            hits[lane] = inside.next().copied();
         }
-        LaneHit {
-            t: F::from_array(t),
-            part: F::U32::from_array(parts),
-            coincident: F::Mask::from_bits(coincident),
-        }
+        LaneHit::from_lanes(&hits)
     }
 }
 
@@ -81,30 +71,6 @@ out_of_line! {
         }
         surface
     }
-}
-
-/// The lanes whose rays may meet a box within bounds. `inverse` is 1 / direction. Axes along which it is not finite
-/// only exclude rays beside the box.
-#[inline(always)]
-pub fn may_meet<F: Real>(
-    bounds: &Aabb,
-    (origin, inverse): (Vec3<F>, Vec3<F>),
-    within: RayInterval<F>,
-) -> F::Mask {
-    let (mut from, mut to, mut beside) = (within.min, within.max, F::Mask::splat(false));
-    let (infinity, rounding) = (F::splat(f64::INFINITY), F::splat(gamma(3)));
-    let axes = [(origin.x, inverse.x), (origin.y, inverse.y), (origin.z, inverse.z)];
-    for (axis, (origin, inverse)) in axes.into_iter().enumerate() {
-        let (min, max) = (F::splat(bounds.min[axis]), F::splat(bounds.max[axis]));
-        let is_across = infinity.le(inverse.abs());
-        beside = beside | (is_across & (origin.lt(min) | max.lt(origin)));
-        let (a, b) = ((min - origin) * inverse, (max - origin) * inverse);
-        let (near, far) = (a.min(b), a.max(b));
-        let (near, far) = (near - near.abs() * rounding, far + far.abs() * rounding);
-        from = F::select(is_across, from, from.max(near));
-        to = F::select(is_across, to, to.min(far));
-    }
-    from.le(to) & !beside
 }
 
 /// Vectors of lanes.

@@ -6,11 +6,11 @@
 //!
 //! What a ray hits depends on the ray alone, not on the interval that is searched.
 
+use super::box_test::BoxTest;
 use super::crossings::{Crossings, PartHit};
-use super::geometric::may_meet;
 use super::part_intervals::{IntervalEnd, PartIntervals};
 use super::{Operation, Solid};
-use crate::base::lanes::{LaneKernel, Level, Mask, Real, Vec3, lanes};
+use crate::base::lanes::{LaneKernel, Level, Mask, Real, lanes};
 use crate::geometry::shape::{CoincidenceRange, PreparedRay, RayInterval, ShapeHit, StoredRays};
 use std::cell::RefCell;
 
@@ -31,12 +31,12 @@ struct SearchBuffer {
 }
 
 thread_local! {
-    #[expect(clippy::vec_box, reason = "every search takes a buffer from the list and puts it back")]
     /// Buffers that are not in use. Solids within solids take one each.
+    #[expect(clippy::vec_box, reason = "every search moves a buffer from the list and back: a pointer, not a kilobyte")]
     static BUFFERS: RefCell<Vec<Box<SearchBuffer>>> = const { RefCell::new(Vec::new()) };
 }
 
-/// All hits of a solid along the ray of each lane, from its origin on, in order.
+/// All hits of a solid along the ray of each lane, from its origin on, in order. None only while it is dropped.
 pub struct SolidHits(Option<Box<SearchBuffer>>);
 
 impl SolidHits {
@@ -71,16 +71,14 @@ impl<F: Real> LaneKernel<F::Level> for Search<'_, F> {
             inside.clear();
             hits.clear();
         }
-        let (stored, one) = (StoredRays::of(&rays.ray), F::splat(1.0));
-        let Vec3 { x, y, z } = rays.ray.direction;
-        let inverse = Vec3::new(one / x, one / y, one / z);
+        let (stored, boxes) = (StoredRays::of(&rays.ray), BoxTest::new(&rays.ray));
         let mut open = wanted;
         for (of, (shape, surroundings)) in solid.0.parts.iter().zip(&solid.0.part_surroundings).enumerate() {
             // Nothing with bounds is inside of what it does not meet.
             let mut meets = open;
             if let Some(surroundings) = surroundings {
                 let within = RayInterval::up_to(F::splat(f64::INFINITY));
-                meets = open & may_meet(surroundings, (rays.ray.origin, inverse), within);
+                meets = open & boxes.may_meet(surroundings, within);
             }
             if meets.any() {
                 crossings.find(shape, rays, solid.0.reach, meets);

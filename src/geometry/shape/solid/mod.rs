@@ -1,8 +1,10 @@
 //! Solids made of solids: differences, intersections and unions, and shapes that planes cut open.
 //!
 //! A ray is inside of a solid in intervals. Those of a solid made of others follow from the intervals of its parts:
-//! `crossings` has the hits of parts, `part_intervals` their intervals, `intervals` those of the solid. A plane is the half-space behind it, so a cut is an intersection with half-spaces.
+//! `crossings` has the hits of parts, `part_intervals` their intervals, `intervals` those of the solid. A plane is the
+//! half-space behind it, so a cut is an intersection with half-spaces.
 
+mod box_test;
 mod crossings;
 mod geometric;
 mod intervals;
@@ -57,7 +59,7 @@ struct Inner {
     /// The largest coordinate.
     reach: f64,
     bounds: Option<Aabb>,
-    /// The bounds, and those of the parts, with a margin for the rounding of hits.
+    /// The bounds, and those of the parts, with a margin for the rounding of hits. None if they are not finite.
     surroundings: Option<Aabb>,
     part_surroundings: Vec<Option<Aabb>>,
 }
@@ -126,10 +128,12 @@ impl Solid {
         let reach = parts.iter().map(reach).fold(0.0, max);
         let bounds = bounds(operation, &parts);
         let around = |bounds: Option<Aabb>| {
-            bounds.map(|Aabb { min, max }| {
-                let margin = gamma(32) * min.abs().max(max.abs()).max_element();
-                Aabb { min: min - margin, max: max + margin }
-            })
+            bounds.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite()).map(
+                |Aabb { min, max }| {
+                    let margin = gamma(32) * min.abs().max(max.abs()).max_element();
+                    Aabb { min: min - margin, max: max + margin }
+                },
+            )
         };
         let part_surroundings = parts.iter().map(|part| around(part.bounds())).collect();
         let surroundings = around(bounds);
