@@ -81,7 +81,9 @@ fn falsely_shadowed(to_world: DAffine3, level: u32, points: u32) -> [f64; 2] {
 fn self_03_the_shadow_terminator_of_coarse_meshes() {
     let naive = [0.0513, 0.0263, 0.0155, 0.0081];
     for (level, naive) in (1..).zip(naive) {
-        let [without, with] = falsely_shadowed(DAffine3::IDENTITY, level, few(1_000_000));
+        // Fewer points would scatter by more than the limit.
+        let points = few(1_000_000).max(40_000);
+        let [without, with] = falsely_shadowed(DAffine3::IDENTITY, level, points);
         assert!((without / naive - 1.0).abs() < 0.15, "level {level} without: {without}");
         assert!(with <= 5e-4, "level {level}: {with}");
     }
