@@ -123,6 +123,7 @@ fn hashed(hash: u64, coordinate: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::lanes::tests::on_all_levels;
     use crate::testing::Random;
 
     fn noise(point: DVec3, seed: u32) -> f64 {
@@ -184,7 +185,9 @@ mod tests {
             let reach = libm::pow(10.0, 12.0 * random.unit());
             let point = random.point(reach);
             let seed = (random.unit() * 4e9) as u32;
-            assert_eq!(noise(point, seed), expected(point, seed), "{point}");
+            for (level, found) in on_all_levels(|| noise(point, seed)) {
+                assert_eq!(found, expected(point, seed), "{level:?} {point}");
+            }
         }
     }
 

@@ -14,13 +14,7 @@ const UNKNOWN: &str = "unknown: there are too few pixels to measure it";
 pub fn lines(noise: &[(u32, Noise)]) -> Vec<String> {
     let worst = noise.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error));
     let Some((frame, worst)) = worst else { return Vec::new() };
-    let percent = |error: f64| format!("{:.2}", 100.0 * error);
-    let (error, low, high) = (percent(worst.error), percent(worst.low), percent(worst.high));
-    let range = match [worst.error, worst.high].map(f64::is_finite) {
-        [true, true] => format!("{error} % of the brightness ({low} to {high} with 95 % confidence)"),
-        [true, false] => format!("{error} % of the brightness (at least {low} with 95 % confidence)"),
-        [false, _] => UNKNOWN.to_owned(),
-    };
+    let range = stated(worst, [" of the brightness", " with 95 % confidence"]);
     let count = noise.len() as f64;
     let samples = noise.iter().map(|(_, noise)| noise.samples).sum::<f64>() / count;
     let mut lines = match noise.len() {
@@ -30,13 +24,7 @@ pub fn lines(noise: &[(u32, Noise)]) -> Vec<String> {
     };
     if (2..=MAX_LISTED_FRAMES).contains(&noise.len()) {
         let row = |(frame, noise): &(u32, Noise)| {
-            let [error, low, high] = [noise.error, noise.low, noise.high].map(percent);
-            let error = match [noise.error, noise.high].map(f64::is_finite) {
-                [true, true] => format!("{error} % ({low} to {high})"),
-                [true, false] => format!("{error} % (at least {low})"),
-                [false, _] => UNKNOWN.to_owned(),
-            };
-            format!("frame {frame}: {error}, {:.0} samples", noise.samples)
+            format!("frame {frame}: {}, {:.0} samples", stated(noise, ["", ""]), noise.samples)
         };
         lines.extend(noise.iter().map(row));
     }
@@ -50,6 +38,17 @@ pub fn lines(noise: &[(u32, Noise)]) -> Vec<String> {
     }
     lines.extend(denoised(noise));
     lines
+}
+
+/// An error with its range, in words: what it is relative to, and how sure the range is.
+fn stated(noise: &Noise, [of, confidence]: [&str; 2]) -> String {
+    let [error, low, high] =
+        [noise.error, noise.low, noise.high].map(|error| format!("{:.2}", 100.0 * error));
+    match [noise.error, noise.high].map(f64::is_finite) {
+        [true, true] => format!("{error} %{of} ({low} to {high}{confidence})"),
+        [true, false] => format!("{error} %{of} (at least {low}{confidence})"),
+        [false, _] => UNKNOWN.to_owned(),
+    }
 }
 
 /// Which frames were denoised, if some might have been. Those of earlier runs may not record it.

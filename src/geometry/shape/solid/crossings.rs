@@ -1,11 +1,11 @@
 //! The hits of a part along whole rays, eight rays at a time.
 
+use super::solid_rays::SolidRays;
 use crate::base::lanes::{Mask, Real, Row, lanes};
-use crate::base::math::{LaneRay, gamma};
+use crate::base::math::{LaneRay, Ray, gamma};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::shape::{
-    CoincidenceRange, LaneHit, LaneSurface, PreparedRay, RayInterval, Shape, ShapeHit, StoredRays,
-    store_lanes,
+    CoincidenceRange, LaneHit, LaneSurface, PreparedRay, RayInterval, Shape, ShapeHit, store_lanes,
 };
 
 /// A hit of a part.
@@ -45,33 +45,49 @@ impl Crossings {
         self.0.iter_mut().for_each(Vec::clear);
     }
 
-    /// Finds all hits of a shape along the rays in the lanes of a mask. `reach` is the largest coordinate of the solid.
+    /// Finds all hits of a shape along the rays in the lanes of a mask.
     #[inline(always)]
-    pub fn find<F: Real>(&mut self, shape: &Shape, rays: &PreparedRay<F>, reach: f64, wanted: F::Mask) {
+    pub fn find<F: Real>(
+        &mut self,
+        shape: &Shape,
+        rays: &SolidRays<F>,
+        range: CoincidenceRange<F>,
+        wanted: F::Mask,
+    ) {
         self.clear();
-        let (stored, range) = (StoredRays::of(&rays.ray), rays.coincidence_range(reach));
         match shape {
             Shape::Mesh(_) | Shape::Particles(_) => {
                 for lane in lanes(wanted.bits()) {
-                    let ray = TraversalRay::new(stored.one(lane));
-                    self.search(lane, shape, &ray, range.lane(lane));
+                    self.search(lane, shape, &rays.stored.one(lane), range.lane(lane));
                 }
             }
             Shape::Solid(solid) => {
                 let found = solid.hits(rays, wanted);
                 for lane in lanes(wanted.bits()) {
-                    let (ray, range) = (LaneRay::from(&stored.one(lane)), range.lane(lane));
+                    let (ray, range) = (LaneRay::from(&rays.stored.one(lane)), range.lane(lane));
                     found.of(lane).iter().for_each(|at| self.take(lane, (shape, &ray), *at, range));
+                    self.sort(lane);
                 }
             }
-            _ => self.find_each(shape, rays, range, wanted),
-        }
-        for lane in lanes(wanted.bits()) {
-            self.0[lane].sort_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
+            _ => self.find_each(shape, rays.prepared, range, wanted),
         }
     }
 
-    /// Rays keep their origins and only the minimum of t grows, so each hit is found, however close hits are.
+    /// [`Crossings::find`] along one ray, for shapes with a tree of parts.
+    #[inline(never)]
+    pub fn search(&mut self, lane: usize, shape: &Shape, ray: &Ray, range: CoincidenceRange<f64>) {
+        let (lanes, ray) = (LaneRay::from(ray), TraversalRay::new(*ray));
+        shape.each_crossing(&ray, RayInterval::up_to(f64::INFINITY), &mut |at| {
+            self.take(lane, (shape, &lanes), at, range);
+        });
+        self.sort(lane);
+    }
+
+    fn sort(&mut self, lane: usize) {
+        self.0[lane].sort_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
+    }
+
+    /// Rays keep their origins and only the minimum of t grows, so each hit is found, however close hits are, in order.
     #[inline(always)]
     fn find_each<F: Real>(
         &mut self,
@@ -92,14 +108,6 @@ impl Crossings {
             let surface = shape.surface(&rays.ray, at, 0.0);
             self.push(&rays.ray, (at, &surface), range, left);
         }
-    }
-
-    #[inline(never)]
-    fn search(&mut self, lane: usize, shape: &Shape, ray: &TraversalRay, range: CoincidenceRange<f64>) {
-        let own = LaneRay::from(&ray.ray);
-        shape.each_crossing(ray, RayInterval::up_to(f64::INFINITY), &mut |at| {
-            self.take(lane, (shape, &own), at, range);
-        });
     }
 
     /// Adds a hit of one ray.

@@ -1,6 +1,6 @@
 //! Solids made of solids as shapes.
 
-use super::box_test::BoxTest;
+use super::solid_rays::SolidRays;
 use super::{Operation, Solid};
 use crate::base::color::Rgb;
 use crate::base::lanes::{Mask, Real, Row, Select, Vec3, lanes, out_of_line};
@@ -14,7 +14,7 @@ impl Solid {
     /// Passes all hits of one ray within bounds to `take`.
     #[inline(never)]
     pub fn each_hit(&self, ray: &TraversalRay, within: RayInterval<f64>, take: &mut dyn FnMut(ShapeHit)) {
-        let found = self.hits::<f64>(&PreparedRay::splat(ray), true);
+        let found = self.hits(&SolidRays::<f64>::new(&PreparedRay::splat(ray)), true);
         found.of(0).iter().filter(|at| within.min < at.t && at.t < within.max).copied().for_each(take);
     }
 }
@@ -25,14 +25,14 @@ out_of_line! {
         ray: &'k PreparedRay<F>,
         within: RayInterval<F>,
     ) -> LaneHit<F> {
-        let mut wanted = within.min.lt(within.max);
+        let (rays, mut wanted) = (SolidRays::new(ray), within.min.lt(within.max));
         if let Some(bounds) = &solid.0.surroundings {
-            wanted = wanted & BoxTest::new(&ray.ray).may_meet(bounds, within);
+            wanted = wanted & rays.may_meet(bounds, within);
         }
         if !wanted.any() {
             return LaneHit::none();
         }
-        let (found, [min, max]) = (solid.hits(ray, wanted), [within.min, within.max].map(store_lanes));
+        let (found, [min, max]) = (solid.hits(&rays, wanted), [within.min, within.max].map(store_lanes));
         let mut hits = [None; 8];
         for lane in lanes(wanted.bits()) {
             let mut inside = found.of(lane).iter().filter(|at| min[lane] < at.t && at.t < max[lane]);

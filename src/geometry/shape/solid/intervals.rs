@@ -6,12 +6,12 @@
 //!
 //! What a ray hits depends on the ray alone, not on the interval that is searched.
 
-use super::box_test::BoxTest;
 use super::crossings::{Crossings, PartHit};
 use super::part_intervals::{IntervalEnd, PartIntervals};
+use super::solid_rays::SolidRays;
 use super::{Operation, Solid};
 use crate::base::lanes::{LaneKernel, Level, Mask, Real, lanes};
-use crate::geometry::shape::{CoincidenceRange, PreparedRay, RayInterval, ShapeHit, StoredRays};
+use crate::geometry::shape::{CoincidenceRange, RayInterval, ShapeHit};
 use std::cell::RefCell;
 
 /// What a search along a ray needs.
@@ -54,7 +54,7 @@ impl Drop for SolidHits {
 /// The search along the rays in the lanes of a mask.
 struct Search<'a, F: Real> {
     solid: &'a Solid,
-    rays: &'a PreparedRay<F>,
+    rays: &'a SolidRays<'a, F>,
     wanted: F::Mask,
     buffer: &'a mut SearchBuffer,
 }
@@ -71,23 +71,22 @@ impl<F: Real> LaneKernel<F::Level> for Search<'_, F> {
             inside.clear();
             hits.clear();
         }
-        let (stored, boxes) = (StoredRays::of(&rays.ray), BoxTest::new(&rays.ray));
-        let mut open = wanted;
+        let (range, mut open) = (rays.prepared.coincidence_range(solid.0.reach), wanted);
         for (of, (shape, surroundings)) in solid.0.parts.iter().zip(&solid.0.part_surroundings).enumerate() {
             // Nothing with bounds is inside of what it does not meet.
             let mut meets = open;
             if let Some(surroundings) = surroundings {
                 let within = RayInterval::up_to(F::splat(f64::INFINITY));
-                meets = open & boxes.may_meet(surroundings, within);
+                meets = open & rays.may_meet(surroundings, within);
             }
             if meets.any() {
-                crossings.find(shape, rays, solid.0.reach, meets);
+                crossings.find(shape, rays, range, meets);
             }
             for lane in lanes(open.bits()) {
                 let IntervalBuffer { parts, inside, .. } = &mut buffers[lane];
                 let first = parts.ends.len();
                 let begins_inside = meets.bits() >> lane & 1 == 1
-                    && parts.add((of, shape), &stored.one(lane), crossings.of(lane));
+                    && parts.add((of, shape), &rays.stored.one(lane), crossings.of(lane));
                 if parts.ends.len() == first && !begins_inside && solid.needs(of) {
                     open = open & !F::Mask::from_bits(1 << lane);
                 }
@@ -97,7 +96,6 @@ impl<F: Real> LaneKernel<F::Level> for Search<'_, F> {
                 return;
             }
         }
-        let range = rays.coincidence_range(solid.0.reach);
         for lane in lanes(open.bits()) {
             solid.combine(&mut buffers[lane], range.lane(lane));
         }
@@ -107,7 +105,7 @@ impl<F: Real> LaneKernel<F::Level> for Search<'_, F> {
 impl Solid {
     /// All hits along the rays in the lanes of a mask.
     #[inline(always)]
-    pub(super) fn hits<F: Real>(&self, rays: &PreparedRay<F>, wanted: F::Mask) -> SolidHits {
+    pub(super) fn hits<F: Real>(&self, rays: &SolidRays<F>, wanted: F::Mask) -> SolidHits {
         let mut buffer = BUFFERS.with_borrow_mut(Vec::pop).unwrap_or_default();
         F::Level::call_with(Search { solid: self, rays, wanted, buffer: &mut buffer });
         SolidHits(Some(buffer))

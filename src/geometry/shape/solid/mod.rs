@@ -4,11 +4,11 @@
 //! `crossings` has the hits of parts, `part_intervals` their intervals, `intervals` those of the solid. A plane is the
 //! half-space behind it, so a cut is an intersection with half-spaces.
 
-mod box_test;
 mod crossings;
 mod geometric;
 mod intervals;
 mod part_intervals;
+mod solid_rays;
 #[cfg(test)]
 mod tests;
 

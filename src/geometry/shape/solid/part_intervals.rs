@@ -244,9 +244,10 @@ fn set_sides_by_winding(
 /// The winding number of a mesh around a point.
 #[inline(never)]
 fn winding_number((shape, mesh): (&Shape, &TriangleMesh), point: DVec3) -> i64 {
-    let ray = TraversalRay::new(Ray { origin: point, direction: SOMEWHERE });
+    let ray = Ray { origin: point, direction: SOMEWHERE };
+    let range = PreparedRay::<f64>::splat(&TraversalRay::new(ray)).coincidence_range(reach(shape));
     let mut crossings = Crossings::default();
-    crossings.find::<f64>(shape, &PreparedRay::splat(&ray), reach(shape), true);
+    crossings.search(0, shape, &ray, range);
     let mut all = PartIntervals { hits: crossings.of(0).to_vec(), ends: Vec::new() };
     all.add_groups(0, 0);
     all.ends.iter().map(|end| WindingStep::at(mesh, &all.hits[end.hits.clone()]).exits).sum()

@@ -1,3 +1,4 @@
+use super::solid_rays::SolidRays;
 use super::*;
 use crate::base::math::Ray;
 use crate::geometry::bvh::TraversalRay;
@@ -27,7 +28,8 @@ fn plane(point: DVec3, normal: DVec3) -> Plane {
 fn hits(solid: &Solid, origin: DVec3, direction: DVec3) -> Vec<(f64, bool)> {
     let ray = Ray { origin, direction };
     let enters = |at: &ShapeHit| solid.surface_at(&ray, *at).normal.dot(direction) < 0.0;
-    let found = solid.hits::<f64>(&PreparedRay::splat(&TraversalRay::new(ray)), true);
+    let prepared = PreparedRay::<f64>::splat(&TraversalRay::new(ray));
+    let found = solid.hits(&SolidRays::new(&prepared), true);
     found.of(0).iter().map(|at| (at.t, enters(at))).collect()
 }
 

@@ -1,22 +1,23 @@
-//! Which rays may meet a box: an early decision about the parts of solids.
+//! Rays with all that searches of solids need of them.
 
 use crate::base::lanes::{Mask, Real, Vec3};
-use crate::base::math::{Aabb, LaneRay, gamma};
-use crate::geometry::shape::RayInterval;
+use crate::base::math::{Aabb, gamma};
+use crate::geometry::shape::{PreparedRay, RayInterval, StoredRays};
 
-/// Rays prepared for tests with boxes.
-#[derive(Clone, Copy)]
-pub struct BoxTest<F> {
-    origin: Vec3<F>,
+/// Rays on their way through a solid and all solids of which it is made.
+pub struct SolidRays<'a, F: Real> {
+    pub prepared: &'a PreparedRay<F>,
+    pub stored: StoredRays,
     /// 1 / direction.
     inverse: Vec3<F>,
 }
 
-impl<F: Real> BoxTest<F> {
+impl<'a, F: Real> SolidRays<'a, F> {
     #[inline(always)]
-    pub fn new(ray: &LaneRay<F>) -> Self {
-        let (one, Vec3 { x, y, z }) = (F::splat(1.0), ray.direction);
-        Self { origin: ray.origin, inverse: Vec3::new(one / x, one / y, one / z) }
+    pub fn new(prepared: &'a PreparedRay<F>) -> Self {
+        let (one, Vec3 { x, y, z }) = (F::splat(1.0), prepared.ray.direction);
+        let inverse = Vec3::new(one / x, one / y, one / z);
+        Self { prepared, stored: StoredRays::of(&prepared.ray), inverse }
     }
 
     /// The lanes whose rays meet a box within bounds, and perhaps others: the crossings of its faces are moved apart by
@@ -24,7 +25,7 @@ impl<F: Real> BoxTest<F> {
     /// rays beside the box.
     #[inline(always)]
     pub fn may_meet(&self, bounds: &Aabb, within: RayInterval<F>) -> F::Mask {
-        let Self { origin, inverse } = self;
+        let (origin, inverse) = (self.prepared.ray.origin, self.inverse);
         let (mut from, mut to, mut beside) = (within.min, within.max, F::Mask::splat(false));
         let (infinity, rounding) = (F::splat(f64::INFINITY), F::splat(gamma(5)));
         let axes = [(origin.x, inverse.x), (origin.y, inverse.y), (origin.z, inverse.z)];
@@ -46,11 +47,12 @@ impl<F: Real> BoxTest<F> {
 mod tests {
     use super::*;
     use crate::base::math::{DVec3, Ray};
+    use crate::geometry::bvh::TraversalRay;
     use crate::testing::Random;
 
     fn may_meet(bounds: &Aabb, origin: DVec3, direction: DVec3, max: f64) -> bool {
-        let ray = LaneRay::<f64>::from(&Ray { origin, direction });
-        BoxTest::new(&ray).may_meet(bounds, RayInterval::up_to(max))
+        let ray = PreparedRay::<f64>::splat(&TraversalRay::new(Ray { origin, direction }));
+        SolidRays::new(&ray).may_meet(bounds, RayInterval::up_to(max))
     }
 
     const BOX: Aabb = Aabb { min: DVec3::new(-1.0, -2.0, 3.0), max: DVec3::new(1.0, 2.0, 4.0) };
@@ -70,8 +72,8 @@ mod tests {
             let far = libm::pow(10.0, 12.0 * random.unit() - 3.0);
             let direction = random.direction();
             let origin = target - direction * far;
-            // The rounded ray passes at a distance of a few roundoffs of its origin.
-            let margin = DVec3::splat(1e-15 * (far + 4.0));
+            // The rounding of the origin moves the ray: of a product and a sum of terms that are at most `far + 4`.
+            let margin = DVec3::splat(gamma(2) * (far + 4.0));
             let around = Aabb { min: BOX.min - margin, max: BOX.max + margin };
             assert!(may_meet(&around, origin, direction, f64::INFINITY), "{origin} {direction}");
         }
