@@ -150,7 +150,7 @@ fn rays_enter_and_leave_in_turn() {
 }
 
 #[test]
-#[ignore = "takes half a minute; cargo test --release --lib none_of_a_million_rays_leaks -- --ignored"]
+#[ignore = "takes ten seconds; cargo test --release --lib none_of_a_million_rays_leaks -- --ignored"]
 fn none_of_a_million_rays_leaks() {
     for (number, solid) in hard_cases().iter().enumerate() {
         assert_eq!(count_leaks(solid, 1_000_000), 0, "case {number}");
