@@ -14,7 +14,7 @@ use crate::base::cancel::Stop;
 use crate::base::stats::ProgressMeter;
 use crate::base::time::Time;
 use crate::encode::{Existing, Output};
-use crate::pipeline::render::{Notice, Request, Reuse, render_with_notices};
+use crate::pipeline::render::{Listener, Notice, Request, Reuse, render_with_notices};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
@@ -98,9 +98,10 @@ fn rendered(arguments: &Arguments, observation: &Observation) -> Result<(), Fail
     let notify = |notice: Notice| {
         forecast_text::notice_line(&sequence, notice).into_iter().for_each(|line| meter.notice(line))
     };
+    let notify: Option<Listener> = if options.quiet { None } else { Some(&notify) };
     let stop = Stop::default();
     let mut done = progress::watch(&meter, 1, reporter, || {
-        render_with_notices(&sequence, &request, &meter, &stop, &notify)
+        render_with_notices(&sequence, &request, &meter, &stop, notify)
     })?;
     done.notes.extend(limit_note);
     if options.quiet {

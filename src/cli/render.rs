@@ -16,7 +16,7 @@ use crate::base::stats::ProgressMeter;
 use crate::base::units::counted;
 use crate::encode::{Existing, Output, StreamFormat};
 use crate::pipeline::plan::with_shared;
-use crate::pipeline::render::{Notice, RenderError, Request, Summary, render_with_notices};
+use crate::pipeline::render::{Listener, Notice, RenderError, Request, Summary, render_with_notices};
 use crate::sequence::Sequence;
 use clap::Args;
 use std::path::PathBuf;
@@ -243,7 +243,9 @@ pub(super) fn with_progress(
     let notify = |notice: Notice| {
         forecast_text::notice_line(sequence, notice).into_iter().for_each(|line| meter.notice(line))
     };
-    let render = || render_with_notices(sequence, request, &meter, &stop, &notify);
+    // Nobody would read the forecast of a quiet run.
+    let notify: Option<Listener> = if options.quiet { None } else { Some(&notify) };
+    let render = || render_with_notices(sequence, request, &meter, &stop, notify);
     let done = progress::watch(&meter, frames, reporter, render);
     done.map_err(|error| failure(error, &request.outputs, options.quiet))
 }

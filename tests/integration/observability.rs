@@ -99,14 +99,20 @@ fn a_trace_has_all_frames_and_its_spans_nest() {
 
 /// The first film takes long enough here that the encoder, which starts before it, has to wait for it. Where frames are
 /// as quick as those of `ball.ron`, a busy machine may start the encoder's thread after the last of them.
+///
+/// The same run is long enough for a pilot, unless nobody would read its forecast.
 #[test]
-fn a_trace_shows_that_the_encoder_waited() {
+fn a_trace_shows_the_pilot_and_that_the_encoder_waited() {
     let folder = folder();
     let slow =
         ["render", "ball.ron", "--frames", "0", "-o", "f_##.png", "-s", "256x144", "--antialias", "32"];
     kinora(folder.path(), &[&slow[..], &["--trace", "run.json"]].concat());
-    let events = events(&folder.path().join("run.json"));
-    assert!(events.iter().any(|event| event["name"] == "wait for a film"), "{events:?}");
+    let found = events(&folder.path().join("run.json"));
+    let has = |events: &[Value], name: &str| events.iter().any(|event| event["name"] == name);
+    assert!(has(&found, "wait for a film") && has(&found, "pilot"), "{found:?}");
+    kinora(folder.path(), &[&slow[..], &["--trace", "quiet.json", "--quiet", "--overwrite"]].concat());
+    let quiet = events(&folder.path().join("quiet.json"));
+    assert!(has(&quiet, "trace") && !has(&quiet, "pilot"), "{quiet:?}");
 }
 
 #[test]

@@ -69,16 +69,17 @@ pub fn render_until(
     meter: &Arc<ProgressMeter>,
     stop: &Stop,
 ) -> Result<Summary, RenderError> {
-    render_with_notices(sequence, request, meter, stop, &|_| ())
+    render_with_notices(sequence, request, meter, stop, None)
 }
 
-/// [`render_until`], which also calls `notify` with a forecast if the run is long enough for a pilot.
+/// [`render_until`], which also calls `notify` with a forecast if the run is long enough for a pilot. Without a listener
+/// there is no pilot.
 pub fn render_with_notices(
     sequence: &Sequence,
     request: &Request,
     meter: &Arc<ProgressMeter>,
     stop: &Stop,
-    notify: Listener,
+    notify: Option<Listener>,
 ) -> Result<Summary, RenderError> {
     render_frames(sequence, request, meter, (stop, notify)).map_err(|error| match error {
         RenderError::Encode(EncodeError::Interrupted { signal, done }) => {
@@ -94,7 +95,7 @@ fn render_frames(
     sequence: &Sequence,
     request: &Request,
     meter: &Arc<ProgressMeter>,
-    (stop, notify): (&Stop, Listener),
+    (stop, notify): (&Stop, Option<Listener>),
 ) -> Result<Summary, RenderError> {
     let start = Instant::now();
     let _ = meter.stop.set(stop.clone());
@@ -151,7 +152,7 @@ fn render_planned<S: FilmSink>(
     request: &Request,
     missing: FrameStates,
     frames: &mut FrameLoop<S>,
-    (meter, stop, notify): (&ProgressMeter, &Stop, Listener),
+    (meter, stop, notify): (&ProgressMeter, &Stop, Option<Listener>),
 ) -> Result<(usize, Option<Forecast>), FrameError> {
     let on = || stop.signal().is_none();
     let kept = request.frames.len() - missing.frames.len();
@@ -177,10 +178,11 @@ fn render_planned<S: FilmSink>(
     let CostEstimate { films, .. } = plan::cost_estimate(sequence, &plan, PilotBudget::NONE);
     let (mut films, mut forecast) = (films, Forecast::of(&plan, &known));
     // A time limit already implies a pilot.
-    if known.camera >= worth && request.time_limit.is_none() {
+    if let Some(notify) = notify.filter(|_| known.camera >= worth && request.time_limit.is_none()) {
         notify(Notice::Pilot { plan: &plan });
-        let outlook = info_span!("pilot")
-            .in_scope(|| run_pilot(sequence, &plan, aovs, PilotTime::RUN, TimeSource::Machine));
+        let limit = PilotTime::of_run(&sequence.quality);
+        let outlook =
+            info_span!("pilot").in_scope(|| run_pilot(sequence, &plan, aovs, limit, TimeSource::Machine));
         let run = outlook.forecast(&sequence.quality);
         films = run.films.iter().map(|film| film.took.wall).collect();
         forecast = Forecast { pilot: outlook.spent.cpu.unwrap_or_default(), ..forecast.with(&run) };

@@ -12,7 +12,7 @@ use crate::pipeline::plan::render_plan::Plan;
 use crate::pipeline::plan::shared_films::SharedFilm;
 use crate::pipeline::schedule::{PassCost, Prober};
 use crate::sequence::Sequence;
-use crate::sequence::quality::Denoise;
+use crate::sequence::quality::{Denoise, Quality};
 use crate::trace::PilotBlocks;
 use std::cmp::Reverse;
 use std::ops::Range;
@@ -29,7 +29,14 @@ impl PilotTime {
     /// For `kinora plan`.
     pub const PLAN: Self = Self { seconds: 1.5, share: f64::INFINITY };
     /// Before a long run.
-    pub const RUN: Self = Self { seconds: 2.0, share: 0.03 };
+    pub const RUN: Self = Self { seconds: 2.0, share: 0.01 };
+    /// Before a run whose samples depend on its error, which takes more than a few blocks to predict.
+    pub const RUN_WITH_ERROR: Self = Self { share: 0.03, ..Self::RUN };
+
+    /// Before a run of this quality.
+    pub fn of_run(quality: &Quality) -> Self {
+        if quality.noise.is_some() { Self::RUN_WITH_ERROR } else { Self::RUN }
+    }
 }
 
 /// Maximum number of probed films of each kind, random or not.
