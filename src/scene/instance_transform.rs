@@ -72,6 +72,12 @@ impl InstanceTransform {
         transform_vector(&forth.matrix3, error) + there + and_back
     }
 
+    /// The unit normal in the world.
+    #[inline(always)]
+    pub fn moved_normal<F: Real>(&self, normal: Vec3<F>) -> Vec3<F> {
+        transform_vector(&self.back.transpose(), normal).normalize_or(normal)
+    }
+
     /// The surface in the world. Its error is the shape's own error, the rounding of the map, and that of the inverse,
     /// because the next ray from this point is moved back into the shape's space.
     #[inline(always)]
@@ -79,8 +85,7 @@ impl InstanceTransform {
         let point = transformed(&self.to_world, local.point);
         let way = (point - Vec3::splat(self.to_world.translation)).abs();
         let error = self.error(local.point.abs(), local.error, way);
-        let back = self.back.transpose();
-        let normal = transform_vector(&back, local.normal).normalize_or(local.normal);
+        let (back, normal) = (self.back.transpose(), self.moved_normal(local.normal));
         // A non-uniform scale may turn the shading normal past the surface's horizon.
         let shading = transform_vector(&back, local.shading).normalize_or(local.shading);
         let shading = shading.negate_where(shading.dot(normal).lt(F::splat(0.0)));

@@ -4,7 +4,7 @@ use super::instance_transform::{InstanceTransform, transformed};
 use crate::appearance::material::MaterialBinding;
 use crate::base::digest::Content;
 use crate::base::lanes::{Level, Mask, Real, Select, Vec3, out_of_line};
-use crate::base::math::{Aabb, DAffine3, DMat3, LaneRay, Ray, inverse};
+use crate::base::math::{Aabb, DAffine3, DMat3, DVec3, LaneRay, Ray, inverse};
 use crate::geometry::bvh::{Stack, TraversalRay};
 use crate::geometry::ray_kinds::{RayKind, RayKinds};
 use crate::geometry::shape::{
@@ -315,12 +315,19 @@ impl Primitive {
     pub fn surface_at(&self, ray: &Ray, at: ShapeHit) -> Surface {
         self.surface(&LaneRay::from(ray), at.into()).into()
     }
+
+    /// The unit normal of the [surface](Primitive::surface_at), without anything else of it.
+    pub fn normal_at(&self, ray: &Ray, at: ShapeHit) -> DVec3 {
+        let Shape::Mesh(mesh) = &self.shape else { return self.surface_at(ray, at).normal };
+        let own = mesh.triangle::<f64>(at.part).normal();
+        self.transform.as_ref().map_or(own, |transform| transform.moved_normal(own)).into()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::math::{DVec3, UNIT_ROUNDOFF};
+    use crate::base::math::UNIT_ROUNDOFF;
     use crate::geometry::shape::Sphere;
 
     const UNIT: Shape = Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 });

@@ -10,7 +10,7 @@ use super::context::TraceContext;
 use super::medium::{MediaLists, Passage};
 use super::spawn::spawn_ray;
 use crate::appearance::material::Material;
-use crate::base::math::Ray;
+use crate::base::math::{DVec3, Ray};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::{RayInterval, Shape, Surface};
@@ -112,20 +112,25 @@ impl TraceContext<'_> {
     fn passage(&self, member: &CoincidentSurface, all: &[CoincidentSurface]) -> Passage {
         let (passage, surface) = (member.passage, surfaces::with_extra_error(member, all));
         let seen = if passage.enters { surface } else { Surface { normal: -surface.normal, ..surface } };
-        Passage { grazes: self.grazes_an_edge(passage.of.primitive, &seen, passage.enters), ..passage }
+        let spawned = || [seen.normal, -seen.normal].map(|side| spawn_ray(&seen, side).origin);
+        let primitive = passage.of.primitive;
+        let grazes = self.has_edges(primitive)
+            && self.grazes_an_edge(primitive, spawned(), seen.normal, passage.enters);
+        Passage { grazes, ..passage }
+    }
+
+    /// Whether a primitive may have sharp edges, at which both sides of its surface are close.
+    pub fn has_edges(&self, primitive: u32) -> bool {
+        matches!(self.scene.geometry.primitives[primitive as usize].shape, Shape::Mesh(_) | Shape::Solid(_))
     }
 
     /// Whether a ray passes a mesh at a sharp edge, so that it is on the same side of the surface before and behind.
     /// There, the error bound of the point may reach through the other face. The test casts a ray between the spawn
-    /// origins of both sides. It must cross at least one face, and all faces in the direction of the passage.
+    /// origins on the side of the normal `out` and on the other. It must cross at least one face, and all faces in the
+    /// direction of the passage.
     #[inline(never)]
-    pub fn grazes_an_edge(&self, primitive: u32, surface: &Surface, enters: bool) -> bool {
+    pub fn grazes_an_edge(&self, primitive: u32, [from, to]: [DVec3; 2], out: DVec3, enters: bool) -> bool {
         let primitive = &self.scene.geometry.primitives[primitive as usize];
-        if !matches!(primitive.shape, Shape::Mesh(_) | Shape::Solid(_)) {
-            return false;
-        }
-        let out = surface.normal;
-        let [from, to] = [out, -out].map(|side| spawn_ray(surface, side).origin);
         // On a face through the origin, both origins may be neighbours of zero, about 1e-323 apart. With a direction of that
         // length, the t of other hits of the shape would overflow, so the direction is scaled, by a power of two.
         let exponent = libm::ilogb((to - from).abs().max_element()).clamp(-1074, 1023);
@@ -135,7 +140,7 @@ impl TraceContext<'_> {
         let (mut count, mut alike) = (0, true);
         primitive.each_crossing(&TraversalRay::new(across), within, &mut |at| {
             count += 1;
-            alike &= (primitive.surface_at(&across, at).normal.dot(out) >= 0.0) == enters;
+            alike &= (primitive.normal_at(&across, at).dot(out) >= 0.0) == enters;
         });
         count == 0 || !alike
     }

@@ -5,6 +5,7 @@ use super::coincident::Events;
 use super::context::TraceContext;
 use super::interaction::SurfaceInteraction;
 use super::medium::{Enclosure, MediaLists, Passage};
+use super::spawn::spawn;
 use crate::base::lanes::{Mask, Real, Row, lanes};
 
 /// The two sides of a surface in each lane.
@@ -38,20 +39,25 @@ impl<F: Real> Interface<F> {
         let (primitives, materials) = (surface.primitive.to_array(), surface.material.to_array());
         let (mut etas, mut behind, mut hidden) = (F::splat(1.0).to_array(), inside, 0);
         let events_of = surface.event.to_array();
-        let (all, mut surfaces) = (&context.scene.shading.materials, None);
+        let (all, mut spawned) = (&context.scene.shading.materials, None);
         for lane in lanes(wanted.bits()) {
             let transition = match events.get(events_of[lane]) {
                 Some(event) => media.pass_all(inside[lane], &event.passages, all),
                 None => {
                     let of = Enclosure { primitive: primitives[lane], material: materials[lane] };
-                    if surfaces.is_none() {
-                        surfaces = Some(surface.surface.store());
+                    let (enters, mut grazes) = (outside >> lane & 1 == 1, false);
+                    if context.has_edges(of.primitive) {
+                        let out = surface.surface.normal;
+                        if spawned.is_none() {
+                            let (from, to) =
+                                (spawn(&surface.surface, out).origin, spawn(&surface.surface, -out).origin);
+                            spawned = Some((from.store(), to.store(), out.store()));
+                        }
+                        if let Some((from, to, out)) = &spawned {
+                            let origins = [from[lane], to[lane]];
+                            grazes = context.grazes_an_edge(of.primitive, origins, out[lane], enters);
+                        }
                     }
-                    let enters = outside >> lane & 1 == 1;
-                    let grazes = match &surfaces {
-                        Some(surfaces) => context.grazes_an_edge(of.primitive, &surfaces[lane], enters),
-                        None => false,
-                    };
                     media.pass(inside[lane], Passage { of, enters, grazes }, all)
                 }
             };

@@ -28,8 +28,8 @@ pub trait PartedShape: Sized {
     /// Whether any part is hit before `limit`.
     fn any_in<L: Level>(search: &mut PartSearch<Self, AnyPart>, leaf: u32, slabs: &Slabs, limit: f32)
     -> bool;
-    /// Passes all hits on.
-    fn every_in(search: &mut PartSearch<Self, EveryPart>, leaf: u32);
+    /// Passes all hits before `limit` on.
+    fn every_in<L: Level>(search: &mut PartSearch<Self, EveryPart>, leaf: u32, slabs: &Slabs, limit: f32);
 }
 
 /// A search of a shape along a ray, for the nearest part, any part or every part.
@@ -170,6 +170,15 @@ impl<S: PartedShape> SimdKernel for Visit<'_, '_, S, AnyPart> {
     }
 }
 
+impl<S: PartedShape> SimdKernel for Visit<'_, '_, S, EveryPart<'_>> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        S::every_in::<L>(self.search, self.leaf, self.slabs, self.limit);
+    }
+}
+
 impl<S: PartedShape> LeafVisitor for PartSearch<'_, S, NearestPart> {
     #[inline(always)]
     fn prefetch<L: Level>(&self, leaf: u32) {
@@ -200,8 +209,8 @@ impl<S: PartedShape> LeafVisitor for PartSearch<'_, S, EveryPart<'_>> {
     fn prefetch<L: Level>(&self, _: u32) {}
 
     #[inline(always)]
-    fn visit<L: Level>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
-        S::every_in(self, leaf);
+    fn visit<L: Level>(&mut self, leaf: u32, slabs: &Slabs, limit: f32) -> Option<f32> {
+        L::call(Visit { search: self, leaf, slabs, limit });
         Some(limit)
     }
 }

@@ -1,7 +1,7 @@
 //! Searches a mesh along a single ray.
 
 use super::Mesh;
-use crate::base::lanes::{Level, Row};
+use crate::base::lanes::{Level, Row, lanes};
 use crate::geometry::bvh::{Slabs, Tree};
 use crate::geometry::mesh::{Packet, ShearedRay};
 use crate::geometry::shape::nearest_part::NearestPart;
@@ -98,11 +98,17 @@ impl PartedShape for Mesh {
     }
 
     #[inline(always)]
-    fn every_in(search: &mut PartSearch<Self, EveryPart>, leaf: u32) {
-        let (mesh, ray) = (&search.shape.mesh, PreparedRay::splat(search.ray));
-        let EveryPart { within, take } = &mut search.kept;
+    fn every_in<L: Level>(search: &mut PartSearch<Self, EveryPart>, leaf: u32, slabs: &Slabs, limit: f32) {
+        let (mesh, ray) = (&search.shape.mesh, search.ray);
         let packet = &mesh.packets()[leaf as usize];
-        for lane in 0..packet.count() {
+        let sheared = search.prepared.get_or_insert_with(|| ShearedRay::new(ray, slabs));
+        let classes = sheared.classify(&sheared.test_edges::<L::F32>(packet, limit), limit);
+        let candidates = classes.hit | classes.unsure;
+        if candidates == 0 {
+            return;
+        }
+        let (ray, EveryPart { within, take }) = (PreparedRay::splat(ray), &mut search.kept);
+        for lane in lanes(candidates) {
             let triangle = TriangleLanes::splat(mesh.packed_corners(packet, lane));
             if let Some(at) = triangle.intersect(&ray, *within).one() {
                 take(ShapeHit::of_part(at.t, packet.part(lane)));

@@ -38,19 +38,22 @@ impl Mesh {
     /// The triangles with the indices `part`.
     #[inline(always)]
     pub fn triangle<F: Real>(&self, part: F::U32) -> TriangleLanes<F> {
-        self.triangles(part).0
+        let (parts, mut corners) = (part.to_array(), [[F::splat(0.0).to_array(); 3]; 3]);
+        for lane in 0..F::LANES {
+            for (rows, corner) in corners.iter_mut().zip(self.mesh.corners(parts[lane])) {
+                set::<F>(rows, lane, corner);
+            }
+        }
+        let [a, b, c] = corners;
+        TriangleLanes { corners: [vector(a), vector(b), vector(c)] }
     }
 
     /// The triangles, the normals at their corners, and the lanes that have normals.
     #[inline(always)]
     fn triangles<F: Real>(&self, part: F::U32) -> (TriangleLanes<F>, [Vec3<F>; 3], F::Mask) {
         let parts = part.to_array();
-        let none = [F::splat(0.0).to_array(); 3];
-        let (mut corners, mut normals, mut smooth) = ([none; 3], [none; 3], 0);
+        let (mut normals, mut smooth) = ([[F::splat(0.0).to_array(); 3]; 3], 0);
         for lane in 0..F::LANES {
-            for (rows, corner) in corners.iter_mut().zip(self.mesh.corners(parts[lane])) {
-                set::<F>(rows, lane, corner);
-            }
             if let Some(at_corners) = self.mesh.corner_normals(parts[lane], self.normals) {
                 for (rows, normal) in normals.iter_mut().zip(at_corners) {
                     set::<F>(rows, lane, normal.as_dvec3());
@@ -58,10 +61,8 @@ impl Mesh {
                 smooth |= 1 << lane;
             }
         }
-        let [a, b, c] = corners;
         let [p, q, r] = normals;
-        let triangle = TriangleLanes { corners: [vector(a), vector(b), vector(c)] };
-        (triangle, [vector(p), vector(q), vector(r)], F::Mask::from_bits(smooth))
+        (self.triangle(part), [vector(p), vector(q), vector(r)], F::Mask::from_bits(smooth))
     }
 }
 
@@ -79,8 +80,13 @@ impl<F: Real> TriangleLanes<F> {
     /// The flat surface next to a point.
     #[inline(always)]
     fn surface(&self, near: Vec3<F>) -> LaneSurface<F> {
-        let normal = self.perpendicular().normalize_or(Vec3::splat(DVec3::Y));
-        flat::placed(self.corners[0], near, normal)
+        flat::placed(self.corners[0], near, self.normal())
+    }
+
+    /// The unit normal.
+    #[inline(always)]
+    pub fn normal(&self) -> Vec3<F> {
+        self.perpendicular().normalize_or(Vec3::splat(DVec3::Y))
     }
 
     /// The surface with the interpolated normal.

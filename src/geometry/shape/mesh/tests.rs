@@ -7,7 +7,8 @@ use crate::base::lanes::{Level, Mask, Row, SimdKernel, dispatch};
 use crate::base::math::{DVec2, DVec3, Ray};
 use crate::geometry::bvh::TraversalRay;
 use crate::geometry::mesh::{self, Corners, MeshData, Normals, generate};
-use crate::geometry::shape::{Geometric, LaneHit, OneRay, ShapeHit, Surface, Triangle};
+use crate::geometry::shape::part_search::every_part;
+use crate::geometry::shape::{Geometric, LaneHit, OneRay, RayInterval, ShapeHit, Surface, Triangle};
 use crate::testing::{Random, eight_rays};
 use glam::Vec3;
 use std::sync::Arc;
@@ -21,10 +22,22 @@ fn triangle() -> MeshData {
     MeshData { positions, triangles: vec![[0, 1, 2]], ..MeshData::default() }
 }
 
-/// The t of a ray's hit with one triangle of the mesh.
-fn crossed(mesh: &Mesh, part: u32, ray: &TraversalRay) -> Option<f64> {
-    let triangle = Triangle { corners: mesh.mesh.corners(part) };
-    triangle.intersect_up_to(ray, f64::INFINITY).map(|hit| hit.t)
+/// The hits of a ray with all triangles of the mesh, one by one.
+fn crossed(mesh: &Mesh, ray: &TraversalRay, t_max: f64) -> Vec<ShapeHit> {
+    let hit = |part: u32| {
+        let triangle = Triangle { corners: mesh.mesh.corners(part) };
+        triangle.intersect_up_to(ray, t_max).map(|hit| ShapeHit::of_part(hit.t, part))
+    };
+    (0..mesh.mesh.triangles().len() as u32).filter_map(hit).collect()
+}
+
+/// The same hits, found in the tree.
+fn every_hit(mesh: &Mesh, ray: &TraversalRay, t_max: f64) -> Vec<ShapeHit> {
+    let mut all = Vec::new();
+    every_part(mesh, ray, RayInterval::up_to(t_max), &mut |hit| all.push(hit));
+    all.sort_by_key(|hit| hit.part);
+    all.dedup();
+    all
 }
 
 fn down(x: f64, y: f64) -> Ray {
@@ -38,12 +51,14 @@ fn hits_of_every_triangle(mesh: &Mesh, rays: usize) -> usize {
     for _ in 0..rays {
         let origin = random.point(3.0);
         let ray = TraversalRay::new(Ray { origin, direction: random.point(1.0) - origin });
-        let each = (0..mesh.mesh.triangles().len() as u32)
-            .filter_map(|part| Some(ShapeHit::of_part(crossed(mesh, part, &ray)?, part)));
-        let nearest = each.min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
-        let found = || (mesh.intersect_up_to(&ray, f64::INFINITY), mesh.occludes_up_to(&ray, f64::INFINITY));
+        let each = crossed(mesh, &ray, f64::INFINITY);
+        let nearest = each.iter().copied().min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
+        let found = || {
+            let nearest = mesh.intersect_up_to(&ray, f64::INFINITY);
+            (nearest, mesh.occludes_up_to(&ray, f64::INFINITY), every_hit(mesh, &ray, f64::INFINITY))
+        };
         for (level, found) in on_all_levels(found) {
-            assert_eq!(found, (nearest, nearest.is_some()), "{level:?}");
+            assert_eq!(found, (nearest, nearest.is_some(), each.clone()), "{level:?}");
         }
         if let Some(ShapeHit { t, .. }) = nearest {
             hits += 1;
@@ -58,6 +73,30 @@ fn hits_of_every_triangle(mesh: &Mesh, rays: usize) -> usize {
 fn the_tree_finds_what_every_triangle_finds() {
     let hits = hits_of_every_triangle(&shape(generate::displaced_sphere(3, 7), Normals::Flat), 3000);
     assert!(hits > 500, "{hits}");
+}
+
+/// Across corners, edges and faces, along segments about as short as the error bounds of their points: so both sides of
+/// an edge are found where a ray enters a mesh.
+#[test]
+fn short_segments_find_all_triangles_that_they_cross() {
+    let mesh = shape(generate::displaced_sphere(3, 7), Normals::Flat);
+    let (mut random, mut shared) = (Random(4), 0);
+    for part in 0..mesh.mesh.triangles().len() as u32 {
+        let [a, b, c] = mesh.mesh.corners(part);
+        for point in [a, 0.5 * (a + b), 0.25 * a + 0.75 * c, (a + b + c) / 3.0] {
+            for out in [(b - a).cross(c - a).normalize(), random.point(1.0).normalize()] {
+                let (from, to) = (point + 2e-15 * out, point - 2e-15 * out);
+                let scale = (1u64 << 48) as f64;
+                let ray = TraversalRay::new(Ray { origin: from, direction: (to - from) * scale });
+                let each = crossed(&mesh, &ray, 1.0 / scale);
+                shared += usize::from(each.len() > 1);
+                for (level, found) in on_all_levels(|| every_hit(&mesh, &ray, 1.0 / scale)) {
+                    assert_eq!(found, each, "{level:?}");
+                }
+            }
+        }
+    }
+    assert!(shared > 1000, "{shared}");
 }
 
 /// A mesh that was refitted step by step: as it bends and flies away, and as long triangles, which are in several

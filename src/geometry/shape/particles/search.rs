@@ -51,7 +51,7 @@ impl PartedShape for Particles {
     }
 
     #[inline(always)]
-    fn every_in(search: &mut PartSearch<Self, EveryPart>, leaf: u32) {
+    fn every_in<L: Level>(search: &mut PartSearch<Self, EveryPart>, leaf: u32, _: &Slabs, _: f32) {
         let (packet, ray) = (&search.shape.packets()[leaf as usize], PreparedRay::splat(search.ray));
         for lane in 0..packet.count() {
             let (sphere, mut within) = (packet.sphere(lane), search.kept.within);
