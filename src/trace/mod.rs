@@ -76,6 +76,11 @@ use tracing::trace_span;
 /// The side of the square tiles, in pixels. A thread films one tile at a time.
 const TILE: u32 = 16;
 
+/// How many tiles, or other parts of pictures, a thread takes at a time. Rayon would divide a list into few pieces per
+/// thread, and the pieces of idle threads are taken by others only as wholes: a thread that holds several difficult tiles
+/// would trace them alone at the end.
+const ONE_EACH: usize = 1;
+
 /// Columns and rows of the pixel blocks whose rays are traced together.
 const BLOCK: (u32, u32) = (4, 2);
 
@@ -129,10 +134,12 @@ fn in_tiles<T: Send>(
     let tiles = height.div_ceil(TILE) * width.div_ceil(TILE);
     let (done, moment, held) = (AtomicU32::new(0), pixels.moment, pixels.held());
     let bands = data.par_chunks_mut((width * TILE) as usize * held.len()).enumerate();
+    let bands = bands.with_max_len(ONE_EACH);
     let counts = bands.map(|(band, data)| {
         let top = band as u32 * TILE;
         let rows = top..height.min(top + TILE);
-        let lefts = (0..width.div_ceil(TILE)).into_par_iter().map(|column| column * TILE);
+        let lefts = (0..width.div_ceil(TILE)).into_par_iter().with_max_len(ONE_EACH);
+        let lefts = lefts.map(|column| column * TILE);
         let traced = lefts.map(|left| {
             let _span = trace_span!("tile", x = left, y = top).entered();
             let tile = Tile { columns: left..width.min(left + TILE), rows: rows.clone() };

@@ -3,6 +3,7 @@
 //!
 //! A smaller image would not do. Its pixels cover more edges, so they are noisier than those of the frame.
 
+use super::ONE_EACH;
 use super::adaptive::halves::SampleHalves;
 use super::pixels::{PixelTracer, SampleSet};
 use super::settings::{Moment, TraceSettings};
@@ -115,7 +116,7 @@ impl PilotBlocks {
         let (seed, mut pixels) = (self.seed, PixelTracer::new(scene, bvh, settings, moment));
         pixels.random = random;
         let pixels = &pixels;
-        let counts = self.blocks.par_iter_mut().map(|block| {
+        let counts = self.blocks.par_iter_mut().with_max_len(ONE_EACH).map(|block| {
             let set = SampleSet { samples: samples.clone(), seed };
             let counts = pixels.add(&block.places, &set, &mut block.all);
             block.rays += counts.rays.total();

@@ -3,6 +3,7 @@
 //! No sample is traced twice. The samples of a pixel are added in their order, so the sums are those of
 //! [`super::trace`] at the same number of samples.
 
+use super::ONE_EACH;
 use super::adaptive::halves::SampleHalves;
 use super::pixels::{PixelTracer, SampleSet};
 use super::settings::{Moment, TraceSettings};
@@ -161,7 +162,8 @@ impl ProgressiveFilm {
         let other = other.as_ref().map(|(scene, share)| (tracer(scene), *share));
         let pixels = FadedPixels { pixels: tracer(scene), before: other };
         let last = moment.index + 1 == moment.of;
-        let counts = self.tiles.par_iter_mut().map(|tile| tile.trace(&pixels, goal, last, stop));
+        let tiles = self.tiles.par_iter_mut().with_max_len(ONE_EACH);
+        let counts = tiles.map(|tile| tile.trace(&pixels, goal, last, stop));
         let counts = counts.reduce(Counts::default, |mut a, b| {
             a += b;
             a

@@ -15,6 +15,7 @@ mod estimate;
 pub mod halves;
 mod layer_products;
 
+use super::ONE_EACH;
 use super::pixels::PixelTracer;
 use super::settings::{Moment, TraceSettings};
 use crate::base::color::Rgb;
@@ -174,7 +175,7 @@ impl AdaptiveFrame {
         let pixels = PixelTracer::sampled(&scene, bvh, settings, moment);
         let seed = self.seed;
         let groups = BlockGroup::of_round(&mut self.blocks, moment.of);
-        let counts = groups.into_par_iter().map(|mut group| {
+        let counts = groups.into_par_iter().with_max_len(ONE_EACH).map(|mut group| {
             if meter.is_stopped() && group.discard_round() {
                 meter.unfinished.store(true, Relaxed);
                 return Counts::default();

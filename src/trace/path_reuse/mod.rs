@@ -21,7 +21,7 @@ pub use gain::{sharing_pays, sharing_would_pay};
 use super::pixels::PixelTracer;
 use super::scratch_pool::ScratchPool;
 use super::settings::{Moment, TraceSettings};
-use super::{TILE, Tile, is_random};
+use super::{ONE_EACH, TILE, Tile, is_random};
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 use crate::base::stats::{Counts, ProgressMeter};
@@ -173,7 +173,7 @@ impl<'a> SharedFrames<'a> {
                 whole.extend(tiles.iter().map(|tile| (tile, in_order(tile))));
                 continue;
             }
-            let shared = tiles.par_iter().map(|tile| {
+            let shared = tiles.par_iter().with_max_len(ONE_EACH).map(|tile| {
                 let (x, y) = (tile.columns.start, tile.rows.start);
                 let _span = tracing::trace_span!("tile", x, y, films = count).entered();
                 let shared = tracer.share_tile(tile);
@@ -195,7 +195,7 @@ impl<'a> SharedFrames<'a> {
             if meter.is_stopped() {
                 return Ok(None);
             }
-            let alone = whole.par_iter().map(|(tile, pixels)| {
+            let alone = whole.par_iter().with_max_len(ONE_EACH).map(|(tile, pixels)| {
                 let (x, y) = (tile.columns.start, tile.rows.start);
                 let _span = tracing::trace_span!("tile", x, y).entered();
                 let traced = tracer.trace_whole(pixels, frame);

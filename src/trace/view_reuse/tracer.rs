@@ -16,6 +16,7 @@ use crate::film::filter::FilterWeights;
 use crate::sampling::PixelSampler;
 use crate::scene::Scene;
 use crate::scene::top_level::Bvh;
+use crate::trace::ONE_EACH;
 use crate::trace::camera_rays::{PixelSamples, Placement};
 use crate::trace::pixels::PixelTracer;
 use crate::trace::settings::{Moment, TraceSettings};
@@ -115,7 +116,7 @@ impl ViewRun {
             if meter.is_stopped() {
                 return None;
             }
-            let traced = jobs.par_iter().map(|(block, numbers)| {
+            let traced = jobs.par_iter().with_max_len(ONE_EACH).map(|(block, numbers)| {
                 let (batch, counts) = self.trace_block((own, block), numbers.clone(), tracer);
                 meter.rays.fetch_add(counts.rays.total(), Relaxed);
                 (batch, counts)
@@ -213,7 +214,7 @@ impl ViewRun {
     fn fill(&mut self, lacking: &[(u32, u32)], tracer: &PixelTracer, data: &mut [Rgb]) {
         let (held, layers) = (tracer.held(), tracer.layers());
         let width = tracer.context.settings.size.0;
-        let traced = lacking.par_chunks(WAVE).map(|pixels| {
+        let traced = lacking.par_chunks(WAVE).with_max_len(ONE_EACH).map(|pixels| {
             let mut own = vec![DVec3::ZERO; pixels.len() * layers];
             (tracer.trace(pixels, &mut own), own)
         });
