@@ -316,7 +316,7 @@ impl Primitive {
         self.surface(&LaneRay::from(ray), at.into()).into()
     }
 
-    /// The unit normal of the [surface](Primitive::surface_at), without anything else of it.
+    /// The unit normal of the [surface](Primitive::surface_at). Of meshes, nothing else is computed.
     pub fn normal_at(&self, ray: &Ray, at: ShapeHit) -> DVec3 {
         let Shape::Mesh(mesh) = &self.shape else { return self.surface_at(ray, at).normal };
         let own = mesh.triangle::<f64>(at.part).normal();

@@ -112,19 +112,21 @@ impl TraceContext<'_> {
     fn passage(&self, member: &CoincidentSurface, all: &[CoincidentSurface]) -> Passage {
         let (passage, surface) = (member.passage, surfaces::with_extra_error(member, all));
         let seen = if passage.enters { surface } else { Surface { normal: -surface.normal, ..surface } };
-        let spawned = || [seen.normal, -seen.normal].map(|side| spawn_ray(&seen, side).origin);
-        let primitive = passage.of.primitive;
-        let grazes = self.has_edges(primitive)
-            && self.grazes_an_edge(primitive, spawned(), seen.normal, passage.enters);
+        let (primitive, out) = (passage.of.primitive, seen.normal);
+        let mut grazes = false;
+        if self.may_graze(primitive) {
+            let origins = [out, -out].map(|side| spawn_ray(&seen, side).origin);
+            grazes = self.grazes_an_edge(primitive, origins, out, passage.enters);
+        }
         Passage { grazes, ..passage }
     }
 
-    /// Whether a primitive may have sharp edges, at which both sides of its surface are close.
-    pub fn has_edges(&self, primitive: u32) -> bool {
+    /// Whether [`Self::grazes_an_edge`] is asked of a primitive: of meshes and solids.
+    pub fn may_graze(&self, primitive: u32) -> bool {
         matches!(self.scene.geometry.primitives[primitive as usize].shape, Shape::Mesh(_) | Shape::Solid(_))
     }
 
-    /// Whether a ray passes a mesh at a sharp edge, so that it is on the same side of the surface before and behind.
+    /// Whether a ray passes a mesh or a solid at a sharp edge, so that it is on the same side of the surface before and behind.
     /// There, the error bound of the point may reach through the other face. The test casts a ray between the spawn
     /// origins on the side of the normal `out` and on the other. It must cross at least one face, and all faces in the
     /// direction of the passage.

@@ -46,7 +46,7 @@ impl<F: Real> Interface<F> {
                 None => {
                     let of = Enclosure { primitive: primitives[lane], material: materials[lane] };
                     let (enters, mut grazes) = (outside >> lane & 1 == 1, false);
-                    if context.has_edges(of.primitive) {
+                    if context.may_graze(of.primitive) {
                         let out = surface.surface.normal;
                         if spawned.is_none() {
                             let (from, to) =

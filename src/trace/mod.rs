@@ -76,9 +76,9 @@ use tracing::trace_span;
 /// The side of the square tiles, in pixels. A thread films one tile at a time.
 const TILE: u32 = 16;
 
-/// How many tiles, or other parts of pictures, a thread takes at a time. Rayon would divide a list into few pieces per
-/// thread, and the pieces of idle threads are taken by others only as wholes: a thread that holds several difficult tiles
-/// would trace them alone at the end.
+/// The most tiles, or other parts of pictures, that Rayon does not divide among threads. By itself it would divide a list
+/// into few pieces per thread, and an idle thread takes only whole pieces from a busy one: a thread whose piece has several
+/// difficult tiles would trace them alone at the end.
 const ONE_EACH: usize = 1;
 
 /// Columns and rows of the pixel blocks whose rays are traced together.

@@ -28,7 +28,7 @@ pub trait PartedShape: Sized {
     /// Whether any part is hit before `limit`.
     fn any_in<L: Level>(search: &mut PartSearch<Self, AnyPart>, leaf: u32, slabs: &Slabs, limit: f32)
     -> bool;
-    /// Passes all hits before `limit` on.
+    /// Passes all hits within its bounds on. None of them is beyond `limit`.
     fn every_in<L: Level>(search: &mut PartSearch<Self, EveryPart>, leaf: u32, slabs: &Slabs, limit: f32);
 }
 

@@ -99,6 +99,31 @@ fn short_segments_find_all_triangles_that_they_cross() {
     assert!(shared > 1000, "{shared}");
 }
 
+/// From far away, where rays start near the tree instead, and behind a minimum of t.
+#[test]
+fn far_rays_find_every_triangle_behind_a_minimum() {
+    let mesh = shape(generate::displaced_sphere(3, 7), Normals::Flat);
+    let (mut random, mut behind) = (Random(5), 0);
+    for distance in [10.0, 1e3, 1e6] {
+        for _ in 0..300 {
+            let origin = distance * random.point(1.0).normalize();
+            let ray = TraversalRay::new(Ray { origin, direction: random.point(0.5) - origin });
+            let each = crossed(&mesh, &ray, f64::INFINITY);
+            let min = each.iter().map(|hit| hit.t).fold(f64::INFINITY, f64::min).next_up();
+            let wanted: Vec<f64> = each.iter().map(|hit| hit.t).filter(|t| min < *t).collect();
+            let mut found: Vec<ShapeHit> = Vec::new();
+            every_part(&mesh, &ray, RayInterval { min, max: f64::INFINITY }, &mut |hit| found.push(hit));
+            found.sort_by_key(|hit| hit.part);
+            found.dedup();
+            let found: Vec<f64> = found.iter().map(|hit| hit.t).filter(|t| min < *t).collect();
+            assert_eq!(found, wanted);
+            assert_eq!(every_hit(&mesh, &ray, f64::INFINITY), each);
+            behind += wanted.len();
+        }
+    }
+    assert!(behind > 100, "{behind}");
+}
+
 /// A mesh that was refitted step by step: as it bends and flies away, and as long triangles, which are in several
 /// leaves, become short and long again.
 #[test]
