@@ -121,15 +121,15 @@ impl TraceContext<'_> {
         Passage { grazes, ..passage }
     }
 
-    /// Whether [`Self::grazes_an_edge`] is asked of a primitive: of meshes and solids.
+    /// Whether a primitive needs the test [`Self::grazes_an_edge`]: only meshes and solids do.
     pub fn may_graze(&self, primitive: u32) -> bool {
         matches!(self.scene.geometry.primitives[primitive as usize].shape, Shape::Mesh(_) | Shape::Solid(_))
     }
 
-    /// Whether a ray passes a mesh or a solid at a sharp edge, so that it is on the same side of the surface before and behind.
-    /// There, the error bound of the point may reach through the other face. The test casts a ray between the spawn
-    /// origins on the side of the normal `out` and on the other. It must cross at least one face, and all faces in the
-    /// direction of the passage.
+    /// Whether a ray passes a mesh or a solid at a sharp edge, so that it is on the same side of the surface before and
+    /// behind. There, the error bound of the point may reach through the other face. The test casts a ray from the spawn
+    /// origin on the side of the normal `out` to the one on the other side. It must cross at least one face, and all
+    /// faces in the direction of the passage.
     #[inline(never)]
     pub fn grazes_an_edge(&self, primitive: u32, [from, to]: [DVec3; 2], out: DVec3, enters: bool) -> bool {
         let primitive = &self.scene.geometry.primitives[primitive as usize];

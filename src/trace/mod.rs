@@ -76,9 +76,9 @@ use tracing::trace_span;
 /// The side of the square tiles, in pixels. A thread films one tile at a time.
 const TILE: u32 = 16;
 
-/// The most tiles, or other parts of pictures, that Rayon does not divide among threads. By itself it would divide a list
-/// into few pieces per thread, and an idle thread takes only whole pieces from a busy one: a thread whose piece has several
-/// difficult tiles would trace them alone at the end.
+/// The maximum number of tiles, or of other parts of a picture, in a Rayon job. By default, Rayon splits a list into a few
+/// jobs per thread, and an idle thread takes whole jobs only. So one thread could trace several difficult tiles at the end
+/// while the others wait.
 const ONE_EACH: usize = 1;
 
 /// Columns and rows of the pixel blocks whose rays are traced together.

@@ -31,10 +31,10 @@ fn crossed(mesh: &Mesh, ray: &TraversalRay, t_max: f64) -> Vec<ShapeHit> {
     (0..mesh.mesh.triangles().len() as u32).filter_map(hit).collect()
 }
 
-/// The same hits, found in the tree.
-fn every_hit(mesh: &Mesh, ray: &TraversalRay, t_max: f64) -> Vec<ShapeHit> {
+/// The hits within bounds, found in the tree.
+fn every_hit(mesh: &Mesh, ray: &TraversalRay, within: RayInterval<f64>) -> Vec<ShapeHit> {
     let mut all = Vec::new();
-    every_part(mesh, ray, RayInterval::up_to(t_max), &mut |hit| all.push(hit));
+    every_part(mesh, ray, within, &mut |hit| all.push(hit));
     all.sort_by_key(|hit| hit.part);
     all.dedup();
     all
@@ -55,7 +55,11 @@ fn hits_of_every_triangle(mesh: &Mesh, rays: usize) -> usize {
         let nearest = each.iter().copied().min_by(|a, b| a.t.total_cmp(&b.t).then(a.part.cmp(&b.part)));
         let found = || {
             let nearest = mesh.intersect_up_to(&ray, f64::INFINITY);
-            (nearest, mesh.occludes_up_to(&ray, f64::INFINITY), every_hit(mesh, &ray, f64::INFINITY))
+            (
+                nearest,
+                mesh.occludes_up_to(&ray, f64::INFINITY),
+                every_hit(mesh, &ray, RayInterval::up_to(f64::INFINITY)),
+            )
         };
         for (level, found) in on_all_levels(found) {
             assert_eq!(found, (nearest, nearest.is_some(), each.clone()), "{level:?}");
@@ -90,7 +94,9 @@ fn short_segments_find_all_triangles_that_they_cross() {
                 let ray = TraversalRay::new(Ray { origin: from, direction: (to - from) * scale });
                 let each = crossed(&mesh, &ray, 1.0 / scale);
                 shared += usize::from(each.len() > 1);
-                for (level, found) in on_all_levels(|| every_hit(&mesh, &ray, 1.0 / scale)) {
+                for (level, found) in
+                    on_all_levels(|| every_hit(&mesh, &ray, RayInterval::up_to(1.0 / scale)))
+                {
                     assert_eq!(found, each, "{level:?}");
                 }
             }
@@ -110,14 +116,11 @@ fn far_rays_find_every_triangle_behind_a_minimum() {
             let ray = TraversalRay::new(Ray { origin, direction: random.point(0.5) - origin });
             let each = crossed(&mesh, &ray, f64::INFINITY);
             let min = each.iter().map(|hit| hit.t).fold(f64::INFINITY, f64::min).next_up();
-            let wanted: Vec<f64> = each.iter().map(|hit| hit.t).filter(|t| min < *t).collect();
-            let mut found: Vec<ShapeHit> = Vec::new();
-            every_part(&mesh, &ray, RayInterval { min, max: f64::INFINITY }, &mut |hit| found.push(hit));
-            found.sort_by_key(|hit| hit.part);
-            found.dedup();
-            let found: Vec<f64> = found.iter().map(|hit| hit.t).filter(|t| min < *t).collect();
+            let wanted: Vec<ShapeHit> = each.iter().copied().filter(|hit| min < hit.t).collect();
+            let mut found = every_hit(&mesh, &ray, RayInterval { min, max: f64::INFINITY });
+            found.retain(|hit| min < hit.t);
             assert_eq!(found, wanted);
-            assert_eq!(every_hit(&mesh, &ray, f64::INFINITY), each);
+            assert_eq!(every_hit(&mesh, &ray, RayInterval::up_to(f64::INFINITY)), each);
             behind += wanted.len();
         }
     }

@@ -28,7 +28,7 @@ pub struct PilotTime {
 impl PilotTime {
     /// For `kinora plan`.
     pub const PLAN: Self = Self { seconds: 1.5, share: f64::INFINITY };
-    /// Before a long run. Half of the share decides how many films are probed and how many tries of shared paths there are.
+    /// Before a long run. Half of the share limits the number of probed films and of trials of shared paths.
     pub const RUN: Self = Self { seconds: 2.0, share: 0.01 };
     /// Before a run whose samples depend on its error, which takes more than a few blocks to predict.
     pub const RUN_WITH_ERROR: Self = Self { share: 0.03, ..Self::RUN };
