@@ -174,6 +174,34 @@ impl Primitive {
         }
     }
 
+    /// [`Primitive::intersect`] for rays that go different ways.
+    #[inline(always)]
+    pub fn intersect_apart<F: Real>(
+        &self,
+        ray: &LaneRay<F>,
+        within: RayInterval<F>,
+        stack: &mut Stack,
+    ) -> LaneHit<F> {
+        match &self.transform {
+            None => self.shape.intersect_apart(ray, within, stack),
+            Some(transform) => self.shape.intersect_apart(&transform.ray_to_object(ray), within, stack),
+        }
+    }
+
+    /// [`Primitive::occludes`] for rays that go different ways.
+    #[inline(always)]
+    pub fn occludes_apart<F: Real>(
+        &self,
+        ray: &LaneRay<F>,
+        within: RayInterval<F>,
+        stack: &mut Stack,
+    ) -> F::Mask {
+        match &self.transform {
+            None => self.shape.occludes_apart(ray, within, stack),
+            Some(transform) => self.shape.occludes_apart(&transform.ray_to_object(ray), within, stack),
+        }
+    }
+
     /// [`Shape::each_crossing`] of a ray in the world.
     pub fn each_crossing(
         &self,

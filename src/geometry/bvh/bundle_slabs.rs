@@ -4,7 +4,7 @@ use super::slabs::{AFAR, ROUNDOFF, SLACK, SPREAD, STEEPEST, WideSlabs};
 use super::tree::{Node, Tree};
 use super::tree_space::ROUNDING;
 use crate::base::lanes::{Level, Mask, Real, Row, Select, Single, Vec3};
-use crate::base::math::{gamma, max, min};
+use crate::base::math::{LaneRay, gamma, max, min};
 
 /// In trees of at most this many nodes, computing a hull takes longer than it saves, and so does preparing single
 /// rays.
@@ -38,14 +38,10 @@ impl<L: Level> BundleSlabs<L> {
     /// and those whose origins are too far away and must start nearer. The remaining rays miss the whole tree.
     #[inline(always)]
     pub fn new(tree: &Tree, from: Vec3<L::F64>, direction: Vec3<L::F64>, rays: u32) -> (Self, u32, u32) {
-        let space = &tree.space;
-        let per_world = L::F64::splat(space.scale);
-        let origin = (from - Vec3::splat(space.origin)) * per_world;
+        let per_world = L::F64::splat(tree.space.scale);
+        let (origin, error) = tree.moved(from);
         let near = origin.abs().max_element().le(L::F64::splat(AFAR)).bits() & rays;
         let scale = direction.abs().max_element().power_of_two();
-        let error = from.abs().max_element().max(L::F64::splat(space.farthest))
-            * L::F64::splat(space.scale * ROUNDING);
-        let error = error + L::F64::splat(SLACK);
         let x = Self::along(origin.x, direction.x, scale, error);
         let y = Self::along(origin.y, direction.y, scale, error);
         let z = Self::along(origin.z, direction.z, scale, error);
@@ -80,7 +76,10 @@ impl<L: Level> BundleSlabs<L> {
         };
         let afar = match rays & !near {
             0 => 0,
-            afar => afar & tree.crossed_by_bundle(origin, direction, error),
+            afar => {
+                let (enter, leave) = tree.crossed_by_bundle(origin, direction, error);
+                afar & enter.le(leave).bits()
+            }
         };
         (slabs, near, afar)
     }
@@ -200,9 +199,27 @@ impl Tree {
         self.nodes.len() <= SMALL
     }
 
-    /// The rays that may hit the bounds of the tree: `Tree::crossed` for eight rays.
+    /// The origins of rays in the tree's space, and their error along each axis, with [`SLACK`].
     #[inline(always)]
-    fn crossed_by_bundle<F: Real>(&self, origin: Vec3<F>, direction: Vec3<F>, error: F) -> u32 {
+    fn moved<F: Real>(&self, from: Vec3<F>) -> (Vec3<F>, F) {
+        let space = &self.space;
+        let origin = (from - Vec3::splat(space.origin)) * F::splat(space.scale);
+        let farthest = from.abs().max_element().max(F::splat(space.farthest));
+        (origin, farthest * F::splat(space.scale * ROUNDING) + F::splat(SLACK))
+    }
+
+    /// The rays that may hit the tree's primitives before these limits of t, by its bounds.
+    #[inline(always)]
+    pub fn may_hit<F: Real>(&self, ray: &LaneRay<F>, limit: F) -> F::Mask {
+        let (origin, error) = self.moved(ray.origin);
+        let (enter, leave) = self.crossed_by_bundle(origin, ray.direction, error);
+        let limit = limit * F::splat(self.space.scale);
+        enter.le(leave) & enter.le(limit + limit.abs() * F::splat(4.0 * ROUNDOFF))
+    }
+
+    /// Where rays enter and leave the bounds of the tree: `Tree::crossed` for eight rays.
+    #[inline(always)]
+    fn crossed_by_bundle<F: Real>(&self, origin: Vec3<F>, direction: Vec3<F>, error: F) -> (F, F) {
         let (x, y, z) = (
             self.between(0, origin.x, direction.x, error),
             self.between(1, origin.y, direction.y, error),
@@ -210,7 +227,7 @@ impl Tree {
         );
         let enter = x.0.max(y.0.max(z.0.max(F::splat(0.0))));
         let leave = x.1.min(y.1.min(z.1.min(F::splat(f64::INFINITY))));
-        enter.le(leave * F::splat(1.0 + 4.0 * gamma(3))).bits()
+        (enter, leave * F::splat(1.0 + 4.0 * gamma(3)))
     }
 
     /// Where rays enter and leave the bounds along an axis. NaN, from rays within a plane, does not limit the

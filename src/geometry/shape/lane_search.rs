@@ -1,17 +1,18 @@
 //! Searches along the rays of lanes, one ray at a time: for shapes that lanes would search in different places.
 
-use super::{LaneHit, PreparedRay, RayInterval, ShapeHit, StoredRays, store_lanes};
+use super::{LaneHit, RayInterval, ShapeHit, StoredRays, store_lanes};
 use crate::base::lanes::{Mask, Real, lanes};
+use crate::base::math::LaneRay;
 use crate::geometry::bvh::TraversalRay;
 
 /// Searches along the ray of each lane that may hit something.
 #[inline(always)]
 pub fn search_each<F: Real>(
-    ray: &PreparedRay<F>,
+    ray: &LaneRay<F>,
     within: RayInterval<F>,
     mut search: impl FnMut(usize, &TraversalRay, RayInterval<f64>),
 ) {
-    let (rays, wanted) = (StoredRays::of(&ray.ray), within.min.lt(within.max).bits());
+    let (rays, wanted) = (StoredRays::of(ray), within.min.lt(within.max).bits());
     let [min, max] = [store_lanes(within.min), store_lanes(within.max)];
     for lane in lanes(wanted) {
         let span = RayInterval { min: min[lane], max: max[lane] };
@@ -22,7 +23,7 @@ pub fn search_each<F: Real>(
 /// The hit that a search finds along the ray of each lane.
 #[inline(always)]
 pub fn first_hits<F: Real>(
-    ray: &PreparedRay<F>,
+    ray: &LaneRay<F>,
     within: RayInterval<F>,
     mut first: impl FnMut(&TraversalRay, RayInterval<f64>) -> Option<ShapeHit>,
 ) -> LaneHit<F> {

@@ -53,11 +53,11 @@ pub use lane_ray::{PreparedRay, RayInterval};
 pub use lane_surface::LaneSurface;
 pub use mesh::{Mesh, MeshStep};
 pub use parameters::Parameters;
-use part_search::every_part;
+use part_search::{any_part_of_each, every_part, nearest_part_of_each};
 pub use part_search::{any_part_on, nearest_part_on};
 pub use particles::{ParticleRows, ParticleSet, ParticleTracks, Particles, SameTime};
 pub use plane::Plane;
-pub use rectangle::Rectangle;
+pub use rectangle::{Rectangle, RectangleLanes};
 pub use solid::{Operation, Solid, encloses, part_count};
 pub use sphere::{Sphere, SphereLanes};
 pub use stored_rays::{StoredRays, store_lanes};
@@ -187,6 +187,36 @@ impl Shape {
             Self::Mesh(mesh) => any_part_on::<L>(mesh, ray, within, stack),
             Self::Particles(particles) => any_part_on::<L>(particles, ray, within, stack),
             _ => self.occludes::<f64>(&PreparedRay::splat(ray), within),
+        }
+    }
+
+    /// [`Shape::intersect`] for rays that go different ways: shapes of many parts are searched along one after the other.
+    #[inline(always)]
+    pub fn intersect_apart<F: Real>(
+        &self,
+        ray: &LaneRay<F>,
+        within: RayInterval<F>,
+        stack: &mut Stack,
+    ) -> LaneHit<F> {
+        match self {
+            Self::Mesh(mesh) => nearest_part_of_each(mesh, ray, within, stack),
+            Self::Particles(particles) => nearest_part_of_each(particles, ray, within, stack),
+            _ => self.intersect(&PreparedRay::new(*ray), within),
+        }
+    }
+
+    /// [`Shape::occludes`] for rays that go different ways.
+    #[inline(always)]
+    pub fn occludes_apart<F: Real>(
+        &self,
+        ray: &LaneRay<F>,
+        within: RayInterval<F>,
+        stack: &mut Stack,
+    ) -> F::Mask {
+        match self {
+            Self::Mesh(mesh) => any_part_of_each(mesh, ray, within, stack),
+            Self::Particles(particles) => any_part_of_each(particles, ray, within, stack),
+            _ => self.occludes(&PreparedRay::new(*ray), within),
         }
     }
 

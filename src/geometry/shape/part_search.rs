@@ -1,8 +1,10 @@
 //! Searches through the trees of shapes of many parts, along single rays.
 
+use super::lane_search::{first_hits, search_each};
 use super::nearest_part::NearestPart;
-use super::{PreparedRay, RayInterval, ShapeHit};
-use crate::base::lanes::{Level, SimdKernel};
+use super::{LaneHit, PreparedRay, RayInterval, ShapeHit};
+use crate::base::lanes::{Level, Mask, Real, SimdKernel};
+use crate::base::math::LaneRay;
 use crate::geometry::bvh::{LeafVisitor, Slabs, Stack, TraversalRay, Tree};
 
 /// A shape of many parts in the leaves of a tree.
@@ -109,6 +111,40 @@ pub fn any_part_on<L: Level>(
     let (search, mut own) = (PartSearch::any(shape, ray, within), None);
     let stack = stack.unwrap_or_else(|| own.insert(Stack::default()));
     L::Narrow::call(Walk { search, t_max: within.max, stack }).found
+}
+
+/// The intervals of rays that may hit the box around a shape; empty for the others.
+#[inline(always)]
+fn near<F: Real>(shape: &impl PartedShape, ray: &LaneRay<F>, within: RayInterval<F>) -> RayInterval<F> {
+    let near = shape.tree().may_hit(ray, within.max);
+    RayInterval { min: within.min, max: F::select(near, within.max, F::splat(-1.0)) }
+}
+
+/// [`nearest_part`] of each ray, one after the other: for rays that go different ways.
+#[inline(always)]
+pub fn nearest_part_of_each<F: Real>(
+    shape: &impl PartedShape,
+    ray: &LaneRay<F>,
+    within: RayInterval<F>,
+    stack: &mut Stack,
+) -> LaneHit<F> {
+    let within = near(shape, ray, within);
+    first_hits(ray, within, |ray, span| nearest_part_on::<F::Level>(shape, ray, span, Some(stack)))
+}
+
+/// [`any_part`] of each ray, one after the other: for rays that go different ways.
+#[inline(always)]
+pub fn any_part_of_each<F: Real>(
+    shape: &impl PartedShape,
+    ray: &LaneRay<F>,
+    within: RayInterval<F>,
+    stack: &mut Stack,
+) -> F::Mask {
+    let mut found = 0;
+    search_each(ray, near(shape, ray, within), |lane, ray, span| {
+        found |= u32::from(any_part_on::<F::Level>(shape, ray, span, Some(stack))) << lane;
+    });
+    F::Mask::from_bits(found)
 }
 
 /// Passes all hits within bounds to `take`, in no particular order.

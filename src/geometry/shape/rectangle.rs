@@ -84,9 +84,7 @@ impl Geometric for Rectangle {
 
     #[inline(always)]
     fn sample_area<F: Real>(&self, u: F, v: F) -> (LaneSurface<F>, F::U32) {
-        let corner = Vec3::splat(self.corner);
-        let point = corner + Vec3::splat(self.u) * u + Vec3::splat(self.v) * v;
-        (flat::placed(corner, point, Vec3::splat(self.normal())), F::U32::splat(0))
+        (RectangleLanes::splat(self).sample_area(u, v), F::U32::splat(0))
     }
 }
 
@@ -100,6 +98,36 @@ impl Rectangle {
     fn corners(&self) -> [DVec3; 4] {
         let (b, d) = (self.corner + self.u, self.corner + self.v);
         [self.corner, b, b + self.v, d]
+    }
+}
+
+/// A rectangle in each lane, with its unit normal.
+#[derive(Clone, Copy, Debug)]
+pub struct RectangleLanes<F> {
+    pub corner: Vec3<F>,
+    pub u: Vec3<F>,
+    pub v: Vec3<F>,
+    pub normal: Vec3<F>,
+}
+
+impl<F: Real> RectangleLanes<F> {
+    /// The same in all lanes.
+    #[inline(always)]
+    pub fn splat(rectangle: &Rectangle) -> Self {
+        let Rectangle { corner, u, v } = *rectangle;
+        let [corner, u, v, normal] = [corner, u, v, rectangle.normal()];
+        Self {
+            corner: Vec3::splat(corner),
+            u: Vec3::splat(u),
+            v: Vec3::splat(v),
+            normal: Vec3::splat(normal),
+        }
+    }
+
+    /// [`Geometric::sample_area`].
+    #[inline(always)]
+    pub fn sample_area(&self, u: F, v: F) -> LaneSurface<F> {
+        flat::placed(self.corner, self.corner + self.u * u + self.v * v, self.normal)
     }
 }
 

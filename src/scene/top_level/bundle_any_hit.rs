@@ -5,7 +5,7 @@ use super::occlusion::{Occlusion, TransmissiveFlags, is_transmissive};
 use super::single::AnyHit;
 use super::single_rays::{SingleRay, Singles};
 use crate::base::lanes::{LaneKernel, Level, Mask, Row, Select};
-use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, NodeRef, TraversalRay};
+use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, NodeRef, Stack, TraversalRay};
 use crate::geometry::shape::{PreparedRay, RayInterval, store_lanes};
 use crate::scene::{Geometry, Primitive};
 
@@ -41,19 +41,32 @@ impl<'a, L: Level> LaneAnyHit<'a, L> {
     #[inline(always)]
     pub fn test(&mut self, geometry: &Geometry, indices: &[u32], rays: L::Mask) {
         if !indices.is_empty() {
-            L::call_with(Test { shadow: self, geometry, indices, rays });
+            L::call_with(Test { shadow: self, geometry, indices, rays, stack: None });
+        }
+    }
+
+    /// [`LaneAnyHit::test`] of all rays, which go different ways.
+    #[inline(always)]
+    pub fn test_apart(&mut self, geometry: &Geometry, indices: &[u32], stack: &mut Stack) {
+        if !indices.is_empty() {
+            let rays = self.open;
+            L::call_with(Test { shadow: self, geometry, indices, rays, stack: Some(stack) });
         }
     }
 
     #[inline(always)]
-    fn test_one(&mut self, rays: L::Mask, index: u32, primitive: &Primitive) {
+    fn test_one(&mut self, rays: L::Mask, index: u32, primitive: &Primitive, stack: Option<&mut Stack>) {
         let passes = is_transmissive(self.transmissive, index);
         let rays = if passes { rays & !self.dimmed } else { rays };
         if !rays.any() {
             return;
         }
         let max = L::F64::select(rays, self.within.max, L::F64::splat(-1.0));
-        let met = primitive.occludes(self.ray, RayInterval { min: self.within.min, max });
+        let within = RayInterval { min: self.within.min, max };
+        let met = match stack {
+            None => primitive.occludes(self.ray, within),
+            Some(stack) => primitive.occludes_apart(&self.ray.ray, within, stack),
+        };
         if passes {
             self.dimmed = self.dimmed | met;
         } else {
@@ -84,6 +97,8 @@ struct Test<'a, 'r, L: Level> {
     geometry: &'a Geometry,
     indices: &'a [u32],
     rays: L::Mask,
+    /// For rays that go different ways.
+    stack: Option<&'a mut Stack>,
 }
 
 impl<L: Level> LaneKernel<L> for Test<'_, '_, L> {
@@ -91,9 +106,10 @@ impl<L: Level> LaneKernel<L> for Test<'_, '_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { shadow, geometry, indices, rays } = self;
+        let Self { shadow, geometry, indices, rays, mut stack } = self;
         for &index in indices {
-            shadow.test_one(rays & shadow.open, index, &geometry.primitives[index as usize]);
+            let primitive = &geometry.primitives[index as usize];
+            shadow.test_one(rays & shadow.open, index, primitive, stack.as_deref_mut());
         }
     }
 }

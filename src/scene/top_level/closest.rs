@@ -2,6 +2,7 @@
 
 use crate::base::lanes::{Bits, LaneKernel, Level, Mask, Real, Row, Select};
 use crate::base::math::min;
+use crate::geometry::bvh::Stack;
 use crate::geometry::shape::{CoincidenceRange, LaneHit, PreparedRay, RayInterval, ShapeHit, store_lanes};
 use crate::scene::{Geometry, Hit};
 
@@ -133,6 +134,14 @@ impl<'a, F: Real> LaneClosestHit<'a, F> {
         }
     }
 
+    /// [`LaneClosestHit::test`] for rays that go different ways.
+    #[inline(always)]
+    pub fn test_apart(&mut self, geometry: &Geometry, indices: &[u32], stack: &mut Stack) {
+        if !indices.is_empty() {
+            F::Level::call_with(TestApart { nearest: self, geometry, indices, stack });
+        }
+    }
+
     #[inline(always)]
     fn consider(&mut self, index: u32, at: LaneHit<F>) {
         let index = F::U32::splat(index);
@@ -169,6 +178,29 @@ impl<F: Real> LaneKernel<F::Level> for Test<'_, '_, F> {
         for &index in indices {
             let within = RayInterval { min: nearest.within.min, max: nearest.limit };
             let at = geometry.primitives[index as usize].intersect(nearest.ray, within);
+            if at.is_hit().any() {
+                nearest.consider(index, at);
+            }
+        }
+    }
+}
+
+struct TestApart<'a, 'n, F: Real> {
+    nearest: &'a mut LaneClosestHit<'n, F>,
+    geometry: &'a Geometry,
+    indices: &'a [u32],
+    stack: &'a mut Stack,
+}
+
+impl<F: Real> LaneKernel<F::Level> for TestApart<'_, '_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { nearest, geometry, indices, stack } = self;
+        for &index in indices {
+            let within = RayInterval { min: nearest.within.min, max: nearest.limit };
+            let at = geometry.primitives[index as usize].intersect_apart(&nearest.ray.ray, within, stack);
             if at.is_hit().any() {
                 nearest.consider(index, at);
             }

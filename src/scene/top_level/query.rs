@@ -51,6 +51,10 @@ impl Bvh {
             }
             return nearest.hits;
         }
+        nearest.test_apart(geometry, &self.meshes, &mut stacks.single);
+        if self.tree.is_empty() {
+            return nearest.hits;
+        }
         let rays = StoredRays::of(ray);
         let mut hits = nearest.hits.store();
         let within = nearest.bounds();
@@ -86,6 +90,10 @@ impl Bvh {
             if !self.tree.is_empty() && found.open().any() {
                 self.occlusion_in_bundle::<L>(geometry, &mut found, &mut stacks.bundle);
             }
+            return found.occlusion();
+        }
+        found.test_apart(geometry, &self.meshes, &mut stacks.single);
+        if self.tree.is_empty() {
             return found.occlusion();
         }
         let rays = StoredRays::of(ray);

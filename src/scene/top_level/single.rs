@@ -30,7 +30,7 @@ impl Bvh {
         dispatch_narrow(Closest { bvh: self, geometry, ray, within })
     }
 
-    /// The closest hit among `found`, the meshes outside the tree, and the tree.
+    /// The closest hit among `found` and the tree.
     #[inline(always)]
     pub(super) fn intersect_on<L: Level>(
         &self,
@@ -43,8 +43,7 @@ impl Bvh {
         L::call(ClosestOn { bvh: self, geometry, ray, within, found, stack })
     }
 
-    /// Whether a mesh outside the tree or a primitive in the tree blocks a ray, and whether a transmissive one dims
-    /// it.
+    /// Whether a primitive in the tree blocks a ray, and whether a transmissive one dims it.
     #[inline(always)]
     pub(super) fn occlusion_on<L: Level>(
         &self,
@@ -91,7 +90,6 @@ impl SimdKernel for ClosestOn<'_> {
     fn run<L: Level>(self) -> Option<Hit> {
         let Self { bvh, geometry, ray, within, found, stack } = self;
         let mut nearest = ClosestHit::new(bvh, geometry, ray, within, found);
-        nearest.test::<L>(&bvh.meshes, Some(stack));
         bvh.tree.walk_on::<L>(ray, nearest.limit(), &mut nearest, stack);
         nearest.found.hit
     }
@@ -113,10 +111,7 @@ impl SimdKernel for OccludedOn<'_> {
     fn run<L: Level>(self) -> [bool; 2] {
         let Self { bvh, geometry, ray, within, transmissive, stack } = self;
         let mut any = AnyHit { bvh, geometry, ray, within, transmissive, blocked: false, dimmed: false };
-        any.test::<L>(&bvh.meshes, Some(stack));
-        if !any.blocked {
-            bvh.tree.walk_on::<L>(ray, within.max, &mut any, stack);
-        }
+        bvh.tree.walk_on::<L>(ray, within.max, &mut any, stack);
         [any.blocked, any.dimmed]
     }
 }
@@ -137,6 +132,7 @@ impl SimdKernel for Closest<'_> {
         let mut stack = Stack::default();
         let mut direct = ClosestHit::new(bvh, geometry, ray, within, None);
         direct.test::<L>(&bvh.direct, Some(&mut stack));
+        direct.test::<L>(&bvh.meshes, Some(&mut stack));
         bvh.intersect_on::<L>(geometry, ray, within, direct.found.hit, &mut stack)
     }
 }
@@ -155,8 +151,8 @@ impl SimdKernel for Occluded<'_> {
     fn run<L: Level>(self) -> bool {
         let Self { bvh, geometry, ray, within } = self;
         let mut stack = Stack::default();
-        let direct = bvh.direct.iter().map(|index| &geometry.primitives[*index as usize]);
-        for primitive in direct {
+        let outside = bvh.direct.iter().chain(&bvh.meshes);
+        for primitive in outside.map(|index| &geometry.primitives[*index as usize]) {
             if primitive.occludes_on::<L>(ray, within, Some(&mut stack)) {
                 return true;
             }

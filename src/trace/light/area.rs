@@ -1,35 +1,36 @@
 //! Area lights.
 
 use super::{LightSample, Receiver};
-use crate::base::lanes::{Color, Mask, Real, Vec3};
-use crate::geometry::shape::{Geometric, Rectangle, Sphere};
+use crate::base::lanes::{Color, Real};
+use crate::geometry::shape::{RectangleLanes, SphereLanes};
 
-/// Samples a sphere, which emits outwards.
+/// Samples spheres, which emit outwards; those of `both_sides` inwards, too.
 #[inline(always)]
-pub fn sphere<F: Real>(
-    sphere: &Sphere,
+pub fn spheres<F: Real>(
+    sphere: &SphereLanes<F>,
+    both_sides: F::Mask,
     at: &Receiver<F>,
     [u, v]: [F; 2],
     radiance: Color<F::F32>,
 ) -> LightSample<F> {
-    let (surface, _, pdf) = sphere.sample_from(at.point, at.eye, u, v);
-    // Points inside receive no light.
-    let distance = (at.point - Vec3::splat(sphere.center)).length();
-    let pdf = F::select(F::splat(sphere.radius).le(distance), pdf, F::splat(0.0));
+    let (surface, pdf) = sphere.sample_from(at.point, at.eye, u, v);
+    let is_outside = sphere.radius.le((at.point - sphere.center).length());
+    let pdf = F::select(is_outside | both_sides, pdf, F::splat(0.0));
     LightSample::from_surface(at, &surface, radiance, pdf)
 }
 
-/// Samples a rectangle, which emits to one side or both.
+/// Samples rectangles, which emit to the side of their normal; those of `both_sides` to the other side, too. `per_area` is
+/// 1 over their areas.
 #[inline(always)]
-pub fn rectangle<F: Real>(
-    rectangle: &Rectangle,
-    one_sided: bool,
+pub fn rectangles<F: Real>(
+    (rectangle, per_area): (&RectangleLanes<F>, F),
+    both_sides: F::Mask,
     at: &Receiver<F>,
     [u, v]: [F; 2],
     radiance: Color<F::F32>,
 ) -> LightSample<F> {
-    let (surface, _, pdf) = rectangle.sample_from(at.point, at.eye, u, v);
+    let surface = rectangle.sample_area(u, v);
+    let pdf = surface.pdf_from(at.point, per_area);
     let in_front = F::splat(0.0).lt(surface.normal.dot(at.point - surface.point));
-    let shines = in_front | F::Mask::splat(!one_sided);
-    LightSample::from_surface(at, &surface, radiance, F::select(shines, pdf, F::splat(0.0)))
+    LightSample::from_surface(at, &surface, radiance, F::select(in_front | both_sides, pdf, F::splat(0.0)))
 }

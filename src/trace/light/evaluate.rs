@@ -4,6 +4,7 @@ use super::{LightSample, Receiver, area, punctual};
 use crate::appearance::light::{Light, Source};
 use crate::base::color::Rgb;
 use crate::base::lanes::{Color, Mask, Real, Select, Vec3};
+use crate::geometry::shape::{Geometric, Rectangle, RectangleLanes, SphereLanes};
 
 /// Samples the light of one light at points. Only [sampled](Source::is_sampled) lights use u and v, which are in 0..1.
 #[inline(always)]
@@ -19,12 +20,21 @@ pub fn sample_light<F: Real>(light: &Light, at: &Receiver<F>, [u, v]: [F; 2]) ->
         Source::Directional { to_light } => {
             LightSample::distant(Vec3::splat(*to_light), radiance, F::splat(0.0))
         }
-        Source::Sphere(sphere) => area::sphere(sphere, at, [u, v], radiance),
+        Source::Sphere(sphere) => {
+            area::spheres(&SphereLanes::splat(sphere), F::Mask::splat(false), at, [u, v], radiance)
+        }
         Source::Rectangle { rectangle, one_sided } => {
-            area::rectangle(rectangle, *one_sided, at, [u, v], radiance)
+            let per_area = F::splat(per_area(rectangle));
+            let lanes = RectangleLanes::splat(rectangle);
+            area::rectangles((&lanes, per_area), F::Mask::splat(!one_sided), at, [u, v], radiance)
         }
     };
     LightSample { casts_shadows: F::Mask::splat(light.shadows), ..sample }
+}
+
+/// 1 over the area of a rectangle.
+pub fn per_area(rectangle: &Rectangle) -> f64 {
+    1.0 / rectangle.area().unwrap_or(f64::INFINITY)
 }
 
 /// The radiance of a light that is part of the geometry, where paths hit it. `outside` are the lanes on the side of its

@@ -4,6 +4,7 @@
 //! [`LightSample::radiance`] is its radiance over π and the density of its direction.
 
 mod area;
+mod area_table;
 mod discrete_distribution;
 mod emission;
 mod evaluate;

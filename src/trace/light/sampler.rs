@@ -1,6 +1,7 @@
 //! Light sources for next-event estimation: lights, objects that emit, and skies of images. They are grouped by layer,
 //! so that the samples of one layer never depend on another.
 
+use super::area_table::AreaTable;
 use super::discrete_distribution::DiscreteDistribution;
 use super::emission::emission;
 use super::evaluate::sample_light;
@@ -20,8 +21,14 @@ const MAX_SAMPLED: usize = 8;
 struct SourceGroup<'a> {
     layer: LayerId,
     members: Vec<SampledEmitter<'a>>,
-    /// The probability of each member; `None` if all are sampled.
-    distribution: Option<DiscreteDistribution>,
+    /// How one of the members is chosen; `None` if all are sampled.
+    choice: Option<SourceChoice>,
+}
+
+struct SourceChoice {
+    distribution: DiscreteDistribution,
+    /// The members that lanes sample together.
+    areas: AreaTable,
 }
 
 /// A light sample that every surface takes.
@@ -65,7 +72,7 @@ impl<'a> LightSampler<'a> {
         for (layer, emitter) in sources(scene, environment, emitters) {
             match groups.iter_mut().find(|group| group.layer == layer) {
                 Some(group) => group.members.push(emitter),
-                None => groups.push(SourceGroup { layer, members: vec![emitter], distribution: None }),
+                None => groups.push(SourceGroup { layer, members: vec![emitter], choice: None }),
             }
         }
         let lights = vec![None; scene.shading.lights.len()];
@@ -93,7 +100,9 @@ impl<'a> LightSampler<'a> {
                 let some_unshadowed = !group.members.iter().all(SampledEmitter::casts_shadows);
                 let request = request(None, MAX_SAMPLED as u32, true);
                 self.requests.push(LightRequest { some_unshadowed, ..request });
-                group.distribution = Some(DiscreteDistribution::of(powers));
+                let distribution = DiscreteDistribution::of(powers);
+                group.choice =
+                    Some(SourceChoice { distribution, areas: AreaTable::new(&group.members, scene) });
             } else {
                 for (member, source) in group.members.iter().enumerate() {
                     let some_unshadowed = !source.casts_shadows();
@@ -103,7 +112,7 @@ impl<'a> LightSampler<'a> {
             }
             for (index, member) in group.members.iter().enumerate() {
                 let chance =
-                    group.distribution.as_ref().map_or(1.0, |distribution| distribution.probabilities[index]);
+                    group.choice.as_ref().map_or(1.0, |choice| choice.distribution.probabilities[index]);
                 match member {
                     SampledEmitter::Light(light, _) => self.lights[*light as usize] = Some(chance),
                     SampledEmitter::Object(primitive, _) => self.objects.push((*primitive, chance)),
@@ -230,14 +239,14 @@ out_of_line! {
         u: [F; 2],
         choice: F,
     ) -> LightSample<F> {
-        let SourceGroup { members, distribution, .. } = &sampler.groups[request.group];
+        let SourceGroup { members, choice: among, .. } = &sampler.groups[request.group];
         if let Some(member) = request.member {
             return sampler.sample_emitter(&members[member], at, u);
         }
-        let Some(distribution) = distribution else { return LightSample::none() };
+        let Some(SourceChoice { distribution, areas }) = among else { return LightSample::none() };
         let (chosen, chance) = distribution.sample(choice);
-        let (indices, mut rest) = (chosen.to_array(), (1u32 << F::LANES) - 1);
-        let mut sample = LightSample::none();
+        let (mut sample, known) = areas.sample(chosen, at, u);
+        let (indices, mut rest) = (chosen.to_array(), ((1u32 << F::LANES) - 1) & !known.bits());
         while rest != 0 {
             let index = indices[rest.trailing_zeros() as usize];
             let same = chosen.eq(F::U32::splat(index));

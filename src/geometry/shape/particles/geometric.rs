@@ -1,11 +1,10 @@
 //! Particles as a shape.
 
 use super::Particles;
-use crate::base::lanes::{Mask, Real, Row, Vec3, out_of_line};
+use crate::base::lanes::{Real, Row, Vec3, out_of_line};
 use crate::base::math::{Aabb, DAffine3, DVec3, LaneRay, max};
 use crate::geometry::bvh::Stack;
-use crate::geometry::shape::lane_search::{first_hits, search_each};
-use crate::geometry::shape::part_search::{any_part_on, nearest_part_on};
+use crate::geometry::shape::part_search::{any_part_of_each, nearest_part_of_each};
 use crate::geometry::shape::{
     Geometric, LaneHit, LaneSurface, Parameters, PreparedRay, RayInterval, Sphere, SphereLanes,
 };
@@ -41,17 +40,12 @@ impl Geometric for Particles {
 
     #[inline(always)]
     fn intersect<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> LaneHit<F> {
-        let mut stack = Stack::default();
-        first_hits(ray, within, |ray, span| nearest_part_on::<F::Level>(self, ray, span, Some(&mut stack)))
+        nearest_part_of_each(self, &ray.ray, within, &mut Stack::default())
     }
 
     #[inline(always)]
     fn occludes<F: Real>(&self, ray: &PreparedRay<F>, within: RayInterval<F>) -> F::Mask {
-        let (mut found, mut stack) = (0, Stack::default());
-        search_each(ray, within, |lane, ray, span| {
-            found |= u32::from(any_part_on::<F::Level>(self, ray, span, Some(&mut stack))) << lane;
-        });
-        F::Mask::from_bits(found)
+        any_part_of_each(self, &ray.ray, within, &mut Stack::default())
     }
 
     #[inline(always)]
