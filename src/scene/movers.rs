@@ -174,8 +174,7 @@ impl<L: Level> LaneKernel<L> for LaneTreeSearch<'_, '_, L> {
     fn run(self) -> u32 {
         let Self { movers, segments, known, stacks } = self;
         let LaneSegments { ray, within, test, kinds, wanted, .. } = segments;
-        let (slabs, near, afar) =
-            BundleSlabs::<L>::new(&movers.tree, ray.ray.origin, ray.ray.direction, wanted);
+        let (slabs, near, afar) = BundleSlabs::<L>::new(&movers.tree, &ray.ray, L::F64::splat(0.0), wanted);
         let open = L::F64::select(L::Mask::from_bits(wanted), within.max, L::F64::splat(-1.0));
         let mut search = LaneSearch { movers, segments, met: *known, limit: slabs.limit(open), tests: 0 };
         for index in movers.bounded..movers.all.len() {
@@ -381,7 +380,7 @@ impl SimdKernel for TreeSearch<'_, '_> {
             search.test::<L>(index);
         }
         let Segment { ray, within, .. } = search.segment;
-        tree.walk_on::<L>(ray, within.max, &mut search, stack);
+        tree.walk_on::<L>(ray, [0.0, within.max], &mut search, stack);
         search.met
     }
 }

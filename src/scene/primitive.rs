@@ -152,8 +152,12 @@ impl Primitive {
     ) -> Option<ShapeHit> {
         match &self.transform {
             None => self.shape.intersect_on::<L>(ray, within, stack),
-            Some(transform) => {
+            Some(transform) if self.shape.has_tree() => {
                 self.shape.intersect_on::<L>(&transform.traversal_ray_to_object(ray), within, stack)
+            }
+            Some(transform) => {
+                let own = transform.ray_to_object(&LaneRay::from(&ray.ray));
+                self.shape.intersect::<f64>(&PreparedRay::new(own), within).one()
             }
         }
     }
@@ -168,8 +172,12 @@ impl Primitive {
     ) -> bool {
         match &self.transform {
             None => self.shape.occludes_on::<L>(ray, within, stack),
-            Some(transform) => {
+            Some(transform) if self.shape.has_tree() => {
                 self.shape.occludes_on::<L>(&transform.traversal_ray_to_object(ray), within, stack)
+            }
+            Some(transform) => {
+                let own = transform.ray_to_object(&LaneRay::from(&ray.ray));
+                self.shape.occludes::<f64>(&PreparedRay::new(own), within)
             }
         }
     }

@@ -3,6 +3,7 @@
 #[cfg(test)]
 mod tests;
 
+use super::cutpoints::{cutpoints, interval_of, steps};
 use super::{Sky, equirect};
 use crate::base::color::Rgb;
 use crate::base::lanes::{Real, Vec3};
@@ -20,6 +21,10 @@ pub struct EnvironmentDistribution {
     columns: Vec<f64>,
     /// Heights of the borders between rows, from -1 to 1.
     heights: Vec<f64>,
+    /// [Cutpoints](cutpoints) of `rows`, of the cells of each row, and of `heights`.
+    row_cutpoints: Vec<u16>,
+    column_cutpoints: Vec<u16>,
+    height_cutpoints: Vec<u16>,
     /// Cells in a row.
     width: usize,
 }
@@ -63,9 +68,18 @@ impl EnvironmentDistribution {
         }
         cells.iter_mut().for_each(|cell| *cell = (1.0 - UNIFORM_SHARE) * *cell + UNIFORM_SHARE * whole);
         let rows = cells.chunks_exact(width).enumerate().map(|(y, row)| share(y) * mean(row));
-        let rows = cumulative(rows).collect();
-        let columns = cells.chunks_exact(width).flat_map(|row| cumulative(row.iter().copied())).collect();
-        Some(Self { rows, columns, heights, width })
+        let rows: Vec<f64> = cumulative(rows).collect();
+        let columns: Vec<f64> =
+            cells.chunks_exact(width).flat_map(|row| cumulative(row.iter().copied())).collect();
+        Some(Self {
+            row_cutpoints: cutpoints(&rows).collect(),
+            column_cutpoints: columns.chunks_exact(width + 1).flat_map(cutpoints).collect(),
+            height_cutpoints: cutpoints(&heights).collect(),
+            rows,
+            columns,
+            heights,
+            width,
+        })
     }
 
     /// Samples directions in the sky from two numbers in 0..1. Also gives their densities per steradian.
@@ -86,8 +100,9 @@ impl EnvironmentDistribution {
 
     /// The longitude in 0..=1 and the height of the direction that two numbers in 0..1 give.
     fn place(&self, [u, v]: [f64; 2]) -> DVec2 {
-        let (row, up) = interval_at(&self.rows, v);
-        let (column, right) = interval_at(self.row(row), u);
+        let (row, up) = interval_at(&self.rows, &self.row_cutpoints, v);
+        let steps = steps(self.width) + 1;
+        let (column, right) = interval_at(self.row(row), &self.column_cutpoints[row * steps..][..steps], u);
         let height = self.heights[row] + up * (self.heights[row + 1] - self.heights[row]);
         DVec2::new((column as f64 + right) / self.width as f64, height)
     }
@@ -106,7 +121,7 @@ impl EnvironmentDistribution {
 
     /// The density per steradian in the cell of a column at a height.
     fn cell_pdf(&self, column: usize, height: f64) -> f64 {
-        let row = cell_of(&self.heights, height);
+        let row = interval_of(&self.heights, &self.height_cutpoints, height, 0.5 * (height + 1.0));
         let columns = self.row(row);
         let column = column.min(self.width - 1);
         let probability = (self.rows[row + 1] - self.rows[row]) * (columns[column + 1] - columns[column]);
@@ -157,13 +172,8 @@ fn cumulative(weights: impl Iterator<Item = f64> + Clone) -> impl Iterator<Item 
     std::iter::once(0.0).chain(sums)
 }
 
-/// The index of the interval between ascending `ends` that holds `value`.
-fn cell_of(ends: &[f64], value: f64) -> usize {
-    ends.partition_point(|end| *end <= value).clamp(1, ends.len() - 1) - 1
-}
-
-/// The interval that holds `u`, and the fraction of the way along it.
-fn interval_at(ends: &[f64], u: f64) -> (usize, f64) {
-    let cell = cell_of(ends, u);
+/// The interval that holds `u` in 0..1, and the fraction of the way along it.
+fn interval_at(ends: &[f64], cutpoints: &[u16], u: f64) -> (usize, f64) {
+    let cell = interval_of(ends, cutpoints, u, u);
     (cell, ((u - ends[cell]) / (ends[cell + 1] - ends[cell])).clamp(0.0, 1.0))
 }

@@ -1,6 +1,7 @@
 //! Environments: the radiance that rays see if they hit nothing.
 
 mod cube_map;
+mod cutpoints;
 mod equirect;
 mod sky;
 mod distribution;

@@ -2,10 +2,10 @@
 
 use super::CubeMap;
 use super::equirect;
-use crate::appearance::texture::{Image, SharedAsset, TextureFilter, Wrap};
+use crate::appearance::texture::{AxisWrap, Image, SharedAsset, TextureFilter, Wrap};
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
-use crate::base::lanes::{Color, Real, Row, Vec3, out_of_line};
+use crate::base::lanes::{Color, Real, Vec3, out_of_line};
 use crate::base::math::{DVec2, DVec3};
 
 /// Radiance from every direction.
@@ -48,7 +48,7 @@ impl Sky {
     /// Radiance from [`equirect::direction`] of `uv`.
     pub(super) fn radiance_at(&self, uv: DVec2) -> Rgb {
         match self {
-            Self::Equirect(image) => lookup(image, uv),
+            Self::Equirect(image) => image.sample(uv, axes(), TextureFilter::Bilinear),
             _ => self.radiance_from(equirect::direction(uv)),
         }
     }
@@ -62,20 +62,13 @@ out_of_line! {
 
 out_of_line! {
     fn image_radiance<'k, F>(image: &'k Image, direction: Vec3<F>) -> Color<F::F32> {
-        let [u, v] = equirect::uv(direction).map(F::to_array);
-        let black = F::F32::splat(0.0).to_array();
-        let (mut r, mut g, mut b) = (black, black, black);
-        for lane in 0..F::LANES {
-            (r[lane], g[lane], b[lane]) = lookup(image, DVec2::new(u[lane], v[lane])).into();
-        }
-        Color { r: F::F32::from_array(r), g: F::F32::from_array(g), b: F::F32::from_array(b) }
+        image.interpolated(equirect::uv(direction), axes())
     }
 }
 
-/// Filters an image of all directions. Columns repeat, so the first one follows the last one. Rows end at the poles.
-#[inline(always)]
-fn lookup(image: &Image, uv: DVec2) -> Rgb {
-    image.sample(uv, [Wrap::Repeat.into(), Wrap::Clamp.into()], TextureFilter::Bilinear)
+/// The axes of an image of all directions. Columns repeat, so the first one follows the last one. Rows end at the poles.
+fn axes() -> [AxisWrap; 2] {
+    [Wrap::Repeat.into(), Wrap::Clamp.into()]
 }
 
 #[cfg(test)]

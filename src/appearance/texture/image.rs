@@ -3,6 +3,7 @@
 use super::wrap::AxisWrap;
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
+use crate::base::lanes::{Color, Mask, Real, Row, lanes};
 use crate::base::math::DVec2;
 
 /// An image in linear light, at least one texel wide and high.
@@ -115,6 +116,30 @@ impl Image {
         self.filtered(uv, axes, filter, |index| self.texels[index], Rgb::lerp).unwrap_or(Rgb::ZERO)
     }
 
+    /// [`Image::sample`] of every lane, with bilinear interpolation.
+    #[inline(always)]
+    pub fn interpolated<F: Real>(&self, [u, v]: [F; 2], [across, up]: [AxisWrap; 2]) -> Color<F::F32> {
+        let infinite = F::splat(f64::INFINITY);
+        let is_finite = u.abs().lt(infinite) & v.abs().lt(infinite);
+        let (zero, last) = (F::splat(0.0), F::splat(f64::from(self.height) - 1.0));
+        let x = across.texels_around(F::select(is_finite, u, zero), self.width);
+        let y = up.texels_around(F::select(is_finite, v, zero), self.height);
+        let [left, right] = [x.low, x.high].map(|x| x.to_u32().to_array());
+        // Rows are counted from the top.
+        let [low, high] = [y.low, y.high].map(|y| (last - y).to_u32().to_array());
+        let (rights, ups) = (x.fraction.to_array(), y.fraction.to_array());
+        let black = F::F32::splat(0.0).to_array();
+        let (mut r, mut g, mut b) = (black, black, black);
+        for lane in lanes(is_finite.bits()) {
+            let along = |row: u32| {
+                let [left, right] = [left[lane], right[lane]].map(|x| self.texels[self.index(x, row)]);
+                left.lerp(right, rights[lane])
+            };
+            (r[lane], g[lane], b[lane]) = along(low[lane]).lerp(along(high[lane]), ups[lane]).into();
+        }
+        Color { r: F::F32::from_array(r), g: F::F32::from_array(g), b: F::F32::from_array(b) }
+    }
+
     /// [`Image::sample`] with alpha.
     pub fn sample_alpha(&self, uv: DVec2, axes: [AxisWrap; 2], filter: TextureFilter) -> Texel {
         let Some(alpha) = &self.alpha else { return Texel::opaque(self.sample(uv, axes, filter)) };
@@ -137,9 +162,12 @@ impl Image {
         }
         let texel = |x: u32, from_bottom: u32| texel(self.index(x, self.height - 1 - from_bottom));
         Some(match filter {
-            TextureFilter::Nearest => texel(across.nearest(uv.x, self.width), up.nearest(uv.y, self.height)),
+            TextureFilter::Nearest => {
+                texel(across.nearest(uv.x, self.width) as u32, up.nearest(uv.y, self.height) as u32)
+            }
             TextureFilter::Bilinear => {
                 let (x, y) = (across.texels_around(uv.x, self.width), up.texels_around(uv.y, self.height));
+                let texel = |x: f64, y: f64| texel(x as u32, y as u32);
                 let low = lerp(texel(x.low, y.low), texel(x.high, y.low), x.fraction);
                 let high = lerp(texel(x.low, y.high), texel(x.high, y.high), x.fraction);
                 lerp(low, high, y.fraction)

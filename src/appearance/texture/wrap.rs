@@ -1,6 +1,7 @@
 //! Wrapping: the continuation of an image beyond its edges.
 
 use crate::base::digest::Content;
+use crate::base::lanes::Real;
 
 /// The continuation of an image beyond its edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Content)]
@@ -29,11 +30,11 @@ impl From<Wrap> for AxisWrap {
     }
 }
 
-/// Two neighbouring texels, and the fraction of the way from the lower to the higher one.
-pub struct TexelPair {
-    pub low: u32,
-    pub high: u32,
-    pub fraction: f32,
+/// The indices of two neighbouring texels, and the fraction of the way from the lower to the higher one.
+pub struct TexelPair<F: Real> {
+    pub low: F,
+    pub high: F,
+    pub fraction: F::F32,
 }
 
 impl AxisWrap {
@@ -44,46 +45,45 @@ impl AxisWrap {
 
     /// The copy of a repeated image that holds a finite coordinate.
     #[inline(always)]
-    fn copy(&self, coordinate: f64) -> f64 {
-        coordinate.floor().min(self.to - 1.0).max(self.from)
+    fn copy<F: Real>(&self, coordinate: F) -> F {
+        coordinate.floor().min(F::splat(self.to - 1.0)).max(F::splat(self.from))
     }
 
     /// Maps a finite coordinate to 0..=1. It can become 1 by rounding, or at the end of the last copy.
     #[inline(always)]
-    fn wrapped(&self, coordinate: f64) -> f64 {
+    fn wrapped<F: Real>(&self, coordinate: F) -> F {
+        let (zero, half, one, two) = (F::splat(0.0), F::splat(0.5), F::splat(1.0), F::splat(2.0));
         match self.wrap {
-            Wrap::Repeat => (coordinate - self.copy(coordinate)).clamp(0.0, 1.0),
-            Wrap::Mirror => 1.0 - (1.0 - (coordinate - 2.0 * (coordinate * 0.5).floor())).abs(),
-            Wrap::Clamp => coordinate.clamp(0.0, 1.0),
+            Wrap::Repeat => (coordinate - self.copy(coordinate)).max(zero).min(one),
+            Wrap::Mirror => one - (one - (coordinate - two * (coordinate * half).floor())).abs(),
+            Wrap::Clamp => coordinate.max(zero).min(one),
         }
     }
 
-    /// The nearest texel in a row of `size` texels.
+    /// The index of the nearest texel in a row of `size` texels.
     #[inline(always)]
-    pub fn nearest(&self, coordinate: f64, size: u32) -> u32 {
-        ((self.wrapped(coordinate) * f64::from(size)) as u32).min(size - 1)
+    pub fn nearest<F: Real>(&self, coordinate: F, size: u32) -> F {
+        let size = f64::from(size);
+        (self.wrapped(coordinate) * F::splat(size)).floor().min(F::splat(size - 1.0))
     }
 
-    /// The two texels around a finite coordinate in a row of `size` texels.
-    #[inline(always)]
-    pub fn texels_around(&self, coordinate: f64, size: u32) -> TexelPair {
-        let at = self.wrapped(coordinate) * f64::from(size) - 0.5;
-        let low = at.floor();
-        let index = |i: i64| self.index(i, i64::from(size), coordinate) as u32;
-        TexelPair { low: index(low as i64), high: index(low as i64 + 1), fraction: (at - low) as f32 }
-    }
-
-    /// The texel at index -1..=size of the row that holds a coordinate. Beyond an edge, the texel at the edge repeats
+    /// The two texels around a finite coordinate in a row of `size` texels. Beyond an edge, the texel at the edge repeats
     /// unless another copy follows.
-    fn index(&self, i: i64, size: i64, coordinate: f64) -> i64 {
-        if (0..size).contains(&i) {
-            return i;
+    #[inline(always)]
+    pub fn texels_around<F: Real>(&self, coordinate: F, size: u32) -> TexelPair<F> {
+        let (zero, last) = (F::splat(0.0), F::splat(f64::from(size) - 1.0));
+        let at = self.wrapped(coordinate) * F::splat(f64::from(size)) - F::splat(0.5);
+        let low = at.floor();
+        let high = low + F::splat(1.0);
+        let fraction = (at - low).to_f32();
+        let (mut before, mut beyond) = (zero, last);
+        if self.wrap == Wrap::Repeat {
+            let copy = self.copy(coordinate);
+            before = F::select(copy.le(F::splat(self.from)), before, last);
+            beyond = F::select(F::splat(self.to - 1.0).le(copy), beyond, zero);
         }
-        let ends = match self.wrap {
-            Wrap::Repeat if i < 0 => self.copy(coordinate) <= self.from,
-            Wrap::Repeat => self.copy(coordinate) >= self.to - 1.0,
-            Wrap::Mirror | Wrap::Clamp => true,
-        };
-        if ends { i.clamp(0, size - 1) } else { i.rem_euclid(size) }
+        let low = F::select(low.lt(zero), before, low);
+        let high = F::select(last.lt(high), beyond, high);
+        TexelPair { low, high, fraction }
     }
 }

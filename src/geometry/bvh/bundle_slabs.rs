@@ -18,6 +18,8 @@ pub struct BundleSlabs<L: Level> {
     /// Along each axis, the bits of rays that enter boxes by their upper planes.
     backwards: [u32; 3],
     unit: L::F64,
+    /// Where the searches begin, in the filter's units, rounded down.
+    from: L::F32,
     origin: [L::F32; 3],
     error: L::F32,
     /// The hull of all rays, if they go the same way along every axis.
@@ -34,12 +36,13 @@ struct Along<L: Level> {
 }
 
 impl<L: Level> BundleSlabs<L> {
-    /// Moves the rays into the tree's space. Also returns two bit sets: the rays that may be traversed as a bundle,
+    /// Moves the rays into the tree's space, for hits beyond `t_min`. Also returns two bit sets: the rays that may be traversed as a bundle,
     /// and those whose origins are too far away and must start nearer. The remaining rays miss the whole tree.
     #[inline(always)]
-    pub fn new(tree: &Tree, from: Vec3<L::F64>, direction: Vec3<L::F64>, rays: u32) -> (Self, u32, u32) {
+    pub fn new(tree: &Tree, ray: &LaneRay<L::F64>, t_min: L::F64, rays: u32) -> (Self, u32, u32) {
+        let direction = ray.direction;
         let per_world = L::F64::splat(tree.space.scale);
-        let (origin, error) = tree.moved(from);
+        let (origin, error) = tree.moved(ray.origin);
         let near = origin.abs().max_element().le(L::F64::splat(AFAR)).bits() & rays;
         let scale = direction.abs().max_element().power_of_two();
         let x = Self::along(origin.x, direction.x, scale, error);
@@ -63,6 +66,7 @@ impl<L: Level> BundleSlabs<L> {
                     usize::from(backwards[1] != 0),
                     usize::from(backwards[2] != 0),
                 ],
+                from: L::F32::splat(0.0),
             });
         }
         let slabs = Self {
@@ -70,6 +74,7 @@ impl<L: Level> BundleSlabs<L> {
             leave: [x.leave, y.leave, z.leave],
             backwards,
             unit: scale * per_world,
+            from: (t_min * scale * per_world * L::F64::splat(1.0 - 4.0 * ROUNDOFF)).to_f32(),
             origin: [origin.x.to_f32(), origin.y.to_f32(), origin.z.to_f32()],
             error: error.to_f32(),
             hull,
@@ -170,7 +175,7 @@ impl<L: Level> BundleSlabs<L> {
     #[inline(always)]
     pub(super) fn test(&self, node: &Node, slot: usize, limit: L::F32) -> (u32, L::F32) {
         let (x, y, z) = (self.planes(node, 0, slot), self.planes(node, 1, slot), self.planes(node, 2, slot));
-        let enter = x.0.max(L::F32::splat(0.0)).max(y.0.max(z.0));
+        let enter = x.0.max(self.from).max(y.0.max(z.0));
         let leave = x.1.min(limit * L::F32::splat(SPREAD as f32)).min(y.1.min(z.1));
         (enter.le_bits(leave), enter)
     }

@@ -22,6 +22,8 @@ pub struct Slabs {
     /// The ray's t at `origin`, and the factor from the ray's t to the filter's units.
     begin: f64,
     unit: f64,
+    /// Where the search begins, in the filter's units, rounded down: no hit is before it.
+    from: f32,
 }
 
 /// Rays whose origin is farther from the tree than this start near the tree instead. Segments in the tree's space are
@@ -79,9 +81,10 @@ fn longest(v: DVec3) -> f64 {
 }
 
 impl Slabs {
-    /// The ray in the tree's space. None if its origin is far away and it misses the tree, or hits it beyond `t_max`.
+    /// The ray in the tree's space, for hits beyond `t_min`. None if its origin is far away and it misses the tree, or hits
+    /// it beyond `t_max`.
     #[inline(always)]
-    pub fn new<L: Level>(tree: &Tree, ray: &TraversalRay, t_max: f64) -> Option<Self> {
+    pub fn new<L: Level>(tree: &Tree, ray: &TraversalRay, [t_min, t_max]: [f64; 2]) -> Option<Self> {
         let scale = power_of_two(ray.longest);
         let origin = tree.space.point(ray.ray.origin);
         let Start { origin, error, begin } = match longest(origin) <= AFAR {
@@ -98,6 +101,9 @@ impl Slabs {
         let offset = row::<L::F64>(-origin) * inverse;
         let off = offset.abs() * L::F64::splat(4.0 * ROUNDOFF) + steepness * L::F64::splat(error + SLACK);
         let spread = L::F64::splat(SPREAD);
+        let unit = scale * tree.space.scale;
+        // Rays that start near the tree lose digits of t there.
+        let from = if begin == 0.0 { t_min * unit * (1.0 - 4.0 * ROUNDOFF) } else { 0.0 };
         Some(Self {
             enter: [along_axes::<L>(inverse), along_axes::<L>(offset - off)],
             leave: [along_axes::<L>(inverse * spread), along_axes::<L>((offset + off) * spread)],
@@ -105,7 +111,8 @@ impl Slabs {
             origin,
             error,
             begin,
-            unit: scale * tree.space.scale,
+            unit,
+            from: from as f32,
         })
     }
 
@@ -149,6 +156,8 @@ pub(super) struct WideSlabs<S> {
     pub leave: [[S; 2]; 3],
     /// Along each axis, the index of the near plane: 1 if the ray enters boxes by their upper planes.
     pub near: [usize; 3],
+    /// Where the search begins. Boxes behind it are left out.
+    pub from: S,
 }
 
 // No closures here: they would be compiled without the level's instructions.
@@ -156,7 +165,7 @@ impl<S: Single<Array = [f32; 8]>> WideSlabs<S> {
     #[inline(always)]
     pub fn new(slabs: &Slabs) -> Self {
         let nothing = [[S::splat(0.0); 2]; 3];
-        let mut wide = Self { enter: nothing, leave: nothing, near: [0; 3] };
+        let mut wide = Self { enter: nothing, leave: nothing, near: [0; 3], from: S::splat(slabs.from) };
         for axis in 0..3 {
             for part in 0..2 {
                 wide.enter[axis][part] = S::splat(slabs.enter[part][axis]);
@@ -171,7 +180,7 @@ impl<S: Single<Array = [f32; 8]>> WideSlabs<S> {
     #[inline(always)]
     pub fn test(&self, node: &Node, limit: f32) -> (u32, [f32; 8]) {
         // In pairs, because the next node waits for the last of these operations.
-        let enter = self.enter(node, 0).max(S::splat(0.0));
+        let enter = self.enter(node, 0).max(self.from);
         let enter = enter.max(self.enter(node, 1).max(self.enter(node, 2)));
         let leave = self.leave(node, 0).min(S::splat(limit * SPREAD as f32));
         let leave = leave.min(self.leave(node, 1).min(self.leave(node, 2)));

@@ -16,11 +16,11 @@ pub trait LeafVisitor {
 }
 
 impl Tree {
-    /// Visits every leaf that the ray may hit before `t_max`, the nearest child of a node first.
+    /// Visits every leaf that the ray may hit within a span of t, the nearest child of a node first.
     #[inline(always)]
-    pub fn walk(&self, ray: &TraversalRay, t_max: f64, leaves: &mut impl LeafVisitor) {
+    pub fn walk(&self, ray: &TraversalRay, span: [f64; 2], leaves: &mut impl LeafVisitor) {
         if self.root != Child::NONE {
-            dispatch_narrow(Begin { tree: self, ray, t_max, leaves });
+            dispatch_narrow(Begin { tree: self, ray, span, leaves });
         }
     }
 
@@ -29,14 +29,14 @@ impl Tree {
     pub fn walk_on<L: Level>(
         &self,
         ray: &TraversalRay,
-        t_max: f64,
+        span: [f64; 2],
         leaves: &mut impl LeafVisitor,
         stack: &mut Stack,
     ) {
         if self.root != Child::NONE
-            && let Some(slabs) = Slabs::new::<L>(self, ray, t_max)
+            && let Some(slabs) = Slabs::new::<L>(self, ray, span)
         {
-            let limit = slabs.limit(t_max);
+            let limit = slabs.limit(span[1]);
             Traversal { tree: self, slabs: &slabs, leaves, limit, from: self.root, stack }.run::<L>();
         }
     }
@@ -46,7 +46,7 @@ impl Tree {
 struct Begin<'a, V> {
     tree: &'a Tree,
     ray: &'a TraversalRay,
-    t_max: f64,
+    span: [f64; 2],
     leaves: &'a mut V,
 }
 
@@ -55,8 +55,8 @@ impl<V: LeafVisitor> SimdKernel for Begin<'_, V> {
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { tree, ray, t_max, leaves } = self;
-        tree.walk_on::<L>(ray, t_max, leaves, &mut Stack::default());
+        let Self { tree, ray, span, leaves } = self;
+        tree.walk_on::<L>(ray, span, leaves, &mut Stack::default());
     }
 }
 

@@ -15,6 +15,8 @@ pub struct TraversalRay {
     pub axes: [usize; 3],
     /// Direction along the two other axes over direction along the longest: shears the ray onto that axis.
     pub shear: [f64; 2],
+    /// 1 / the square of the direction's length.
+    pub per_square: f64,
 }
 
 impl TraversalRay {
@@ -29,6 +31,7 @@ impl TraversalRay {
         let inverse = DVec3::new(1.0 / d.x, 1.0 / d.y, 1.0 / d.z);
         let (d, per_longest) = (d.to_array(), inverse.to_array()[z]);
         let shear = [d[x] * per_longest, d[y] * per_longest];
-        Self { ray, inverse, longest: max(a.x, yz), axes: [x, y, z], shear }
+        let per_square = 1.0 / ray.direction.length_squared();
+        Self { ray, inverse, longest: max(a.x, yz), axes: [x, y, z], shear, per_square }
     }
 }

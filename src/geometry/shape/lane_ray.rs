@@ -72,7 +72,7 @@ impl<F: Real> PreparedRay<F> {
             origin: [F::splat(origin[x]), F::splat(origin[y]), F::splat(origin[longest])],
             longest: F::splat(ray.longest),
             per_longest: F::splat(ray.inverse.to_array()[longest]),
-            per_square: F::splat(1.0 / ray.ray.direction.length_squared()),
+            per_square: F::splat(ray.per_square),
             shear: [F::splat(ray.shear[0]), F::splat(ray.shear[1])],
         }
     }

@@ -76,7 +76,7 @@ pub fn nearest_part(
     within: RayInterval<f64>,
 ) -> Option<ShapeHit> {
     let mut search = PartSearch::nearest(shape, ray, within);
-    shape.tree().walk(ray, within.max, &mut search);
+    shape.tree().walk(ray, [within.min, within.max], &mut search);
     search.kept.hit
 }
 
@@ -90,13 +90,13 @@ pub fn nearest_part_on<L: Level>(
 ) -> Option<ShapeHit> {
     let (search, mut own) = (PartSearch::nearest(shape, ray, within), None);
     let stack = stack.unwrap_or_else(|| own.insert(Stack::default()));
-    L::Narrow::call(Walk { search, t_max: within.max, stack }).hit
+    L::Narrow::call(Walk { search, span: [within.min, within.max], stack }).hit
 }
 
 /// Whether there is a part within bounds.
 pub fn any_part(shape: &impl PartedShape, ray: &TraversalRay, within: RayInterval<f64>) -> bool {
     let mut search = PartSearch::any(shape, ray, within);
-    shape.tree().walk(ray, within.max, &mut search);
+    shape.tree().walk(ray, [within.min, within.max], &mut search);
     search.kept.found
 }
 
@@ -110,7 +110,7 @@ pub fn any_part_on<L: Level>(
 ) -> bool {
     let (search, mut own) = (PartSearch::any(shape, ray, within), None);
     let stack = stack.unwrap_or_else(|| own.insert(Stack::default()));
-    L::Narrow::call(Walk { search, t_max: within.max, stack }).found
+    L::Narrow::call(Walk { search, span: [within.min, within.max], stack }).found
 }
 
 /// The intervals of rays that may hit the box around a shape; empty for the others.
@@ -155,13 +155,13 @@ pub fn every_part(
     take: &mut dyn FnMut(ShapeHit),
 ) {
     let mut search = PartSearch { shape, ray, prepared: None, kept: EveryPart { within, take } };
-    shape.tree().walk(ray, within.max, &mut search);
+    shape.tree().walk(ray, [within.min, within.max], &mut search);
 }
 
 /// A search from the root.
 struct Walk<'a, 's, S: PartedShape, K> {
     search: PartSearch<'a, S, K>,
-    t_max: f64,
+    span: [f64; 2],
     stack: &'s mut Stack,
 }
 
@@ -173,9 +173,9 @@ where
 
     #[inline(always)]
     fn run<L: Level>(self) -> K {
-        let Self { mut search, t_max, stack } = self;
+        let Self { mut search, span, stack } = self;
         let (shape, ray) = (search.shape, search.ray);
-        shape.tree().walk_on::<L>(ray, t_max, &mut search, stack);
+        shape.tree().walk_on::<L>(ray, span, &mut search, stack);
         search.kept
     }
 }

@@ -42,7 +42,7 @@ impl<L: Level, const ALONE: usize> LaneKernel<L> for Closest<'_, '_, L, ALONE> {
         let Self { bvh, geometry, nearest, stack } = self;
         let ray = &nearest.ray.ray;
         let wanted = L::F64::splat(0.0).le(nearest.limit).bits();
-        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray.origin, ray.direction, wanted);
+        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray, nearest.within.min, wanted);
         let singles = Singles::<ALONE>::new();
         let limit = slabs.limit(nearest.limit);
         let mut walk = ClosestHitWalk { bvh, geometry, slabs: &slabs, nearest, limit, singles };
@@ -51,7 +51,7 @@ impl<L: Level, const ALONE: usize> LaneKernel<L> for Closest<'_, '_, L, ALONE> {
         }
         for lane in crate::base::lanes::lanes(afar) {
             let single = TraversalRay::new(walk.nearest.ray.ray.lane(lane));
-            walk.alone(lane, &single, |one| bvh.tree.walk(&single, one.limit(), one));
+            walk.alone(lane, &single, |one| bvh.tree.walk(&single, [one.within.min, one.limit()], one));
         }
     }
 }

@@ -147,7 +147,7 @@ impl<L: Level, const ALONE: usize> LaneKernel<L> for Occluded<'_, '_, L, ALONE> 
         let Self { bvh, geometry, shadow, stack } = self;
         let ray = &shadow.ray.ray;
         let wanted = shadow.open.bits();
-        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray.origin, ray.direction, wanted);
+        let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray, shadow.within.min, wanted);
         let singles = Singles::<ALONE>::new();
         let limit = slabs.limit(L::F64::select(shadow.open, shadow.within.max, L::F64::splat(-1.0)));
         let mut walk = AnyHitWalk { bvh, geometry, shadow, limit, singles };
@@ -156,7 +156,7 @@ impl<L: Level, const ALONE: usize> LaneKernel<L> for Occluded<'_, '_, L, ALONE> 
         }
         for lane in crate::base::lanes::lanes(afar) {
             let single = TraversalRay::new(walk.shadow.ray.ray.lane(lane));
-            walk.alone(lane, &single, |any| bvh.tree.walk(&single, any.within.max, any));
+            walk.alone(lane, &single, |any| bvh.tree.walk(&single, [any.within.min, any.within.max], any));
         }
     }
 }

@@ -90,7 +90,7 @@ impl SimdKernel for ClosestOn<'_> {
     fn run<L: Level>(self) -> Option<Hit> {
         let Self { bvh, geometry, ray, within, found, stack } = self;
         let mut nearest = ClosestHit::new(bvh, geometry, ray, within, found);
-        bvh.tree.walk_on::<L>(ray, nearest.limit(), &mut nearest, stack);
+        bvh.tree.walk_on::<L>(ray, [within.min, nearest.limit()], &mut nearest, stack);
         nearest.found.hit
     }
 }
@@ -111,7 +111,7 @@ impl SimdKernel for OccludedOn<'_> {
     fn run<L: Level>(self) -> [bool; 2] {
         let Self { bvh, geometry, ray, within, transmissive, stack } = self;
         let mut any = AnyHit { bvh, geometry, ray, within, transmissive, blocked: false, dimmed: false };
-        bvh.tree.walk_on::<L>(ray, within.max, &mut any, stack);
+        bvh.tree.walk_on::<L>(ray, [within.min, within.max], &mut any, stack);
         [any.blocked, any.dimmed]
     }
 }
@@ -167,7 +167,7 @@ pub(super) struct ClosestHit<'a> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     ray: &'a TraversalRay,
-    within: RayInterval<f64>,
+    pub within: RayInterval<f64>,
     pub found: BestHit,
 }
 
@@ -327,6 +327,6 @@ impl SimdKernel for Each<'_> {
         for &index in bvh.direct.iter().chain(&bvh.meshes) {
             self.test(index);
         }
-        bvh.tree.walk_on::<L>(ray, within.max, &mut self, &mut Stack::default());
+        bvh.tree.walk_on::<L>(ray, [within.min, within.max], &mut self, &mut Stack::default());
     }
 }

@@ -31,7 +31,7 @@ impl<const ALONE: usize> Singles<ALONE> {
         let alone = self.0.get_mut(ray)?;
         if alone.is_none() {
             let single = TraversalRay::new(rays.ray.lane(ray));
-            *alone = Slabs::new::<L::Narrow>(tree, &single, f64::INFINITY)
+            *alone = Slabs::new::<L::Narrow>(tree, &single, [0.0, f64::INFINITY])
                 .map(|slabs| SingleRay { single, slabs });
         }
         alone.as_ref()

@@ -69,7 +69,7 @@ impl<const ANY: bool> BundleSearch<'_, ANY> {
         let &Self { mesh, rays, wanted, span: [min, max] } = self;
         let (ray, found) = (rays.load::<L>(), LaneHit::none());
         let tree = mesh.mesh.tree();
-        let (slabs, near, afar) = BundleSlabs::<L>::new(tree, ray.origin, ray.direction, wanted);
+        let (slabs, near, afar) = BundleSlabs::<L>::new(tree, &ray, L::F64::from_array(*min), wanted);
         if near == 0 {
             return (found, afar);
         }
@@ -165,8 +165,8 @@ impl<L: Level, const ANY: bool> BundleVisitor<L> for BundleWalk<'_, L, ANY> {
         let slot = &mut self.alone[ray];
         if slot.is_none() {
             let single = TraversalRay::new(self.rays.one(ray));
-            *slot =
-                Slabs::new::<L::Narrow>(mesh.mesh.tree(), &single, within.max).map(|slabs| (single, slabs));
+            *slot = Slabs::new::<L::Narrow>(mesh.mesh.tree(), &single, [within.min, within.max])
+                .map(|slabs| (single, slabs));
         }
         let Some((single, slabs)) = slot else { return };
         let tree = mesh.mesh.tree();
