@@ -121,12 +121,17 @@ impl EnvironmentDistribution {
 
     /// The density per steradian in the cell of a column at a height.
     fn cell_pdf(&self, column: usize, height: f64) -> f64 {
-        let row = interval_of(&self.heights, &self.height_cutpoints, height, 0.5 * (height + 1.0));
+        let row = self.row_at(height);
         let columns = self.row(row);
         let column = column.min(self.width - 1);
         let probability = (self.rows[row + 1] - self.rows[row]) * (columns[column + 1] - columns[column]);
         let solid_angle = TAU / self.width as f64 * (self.heights[row + 1] - self.heights[row]);
         probability / solid_angle
+    }
+
+    /// The row that holds a height.
+    fn row_at(&self, height: f64) -> usize {
+        interval_of(&self.heights, &self.height_cutpoints, height, 0.5 * (height + 1.0))
     }
 
     fn row(&self, row: usize) -> &[f64] {

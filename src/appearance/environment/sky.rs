@@ -75,7 +75,7 @@ fn axes() -> [AxisWrap; 2] {
 mod tests {
     use super::*;
     use crate::base::lanes::tests::on_all_levels;
-    use crate::base::lanes::{Level, SimdKernel, dispatch};
+    use crate::base::lanes::{Level, Row, SimdKernel, dispatch};
     use crate::testing::Random;
 
     #[test]

@@ -4,6 +4,7 @@ use super::{Image, ImageError};
 use crate::base::color::{Rgb, srgb_to_linear};
 use crate::base::{files, machine};
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
+use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -27,7 +28,7 @@ const MAX_SIDE: u32 = 16_384;
 const MAX_TEXELS: u64 = 1 << 27;
 
 impl Image {
-    /// Reads a PNG, JPEG, BMP or Radiance HDR file. The first bytes decide the format. A photograph is turned upright
+    /// Reads a PNG, JPEG, BMP, Radiance HDR or OpenEXR file. The first bytes decide the format. A photograph is turned upright
     /// by its EXIF orientation.
     pub fn load(path: &Path, encoding: ColorEncoding) -> Result<Self, ImageError> {
         Self::decode(&files::read(path, MAX_FILE_BYTES)?, encoding)
@@ -38,6 +39,7 @@ impl Image {
         if files::is_truncated(bytes) {
             return Err(ImageError::Truncated);
         }
+        let bytes = &with_common_signature(bytes);
         let mut limits = Limits::default();
         limits.max_alloc = Some(MAX_TEXELS * size_of::<[f32; 4]>() as u64);
         let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
@@ -66,6 +68,17 @@ impl Image {
             None => image,
         };
         image.ok_or(ImageError::Empty)
+    }
+}
+
+/// The signature of most HDR files.
+const RADIANCE: &[u8] = b"#?RADIANCE";
+
+/// Gives HDR files with the signature of other programs the common one. The data after it is the same.
+fn with_common_signature(bytes: &[u8]) -> Cow<'_, [u8]> {
+    match bytes.strip_prefix(b"#?RGBE") {
+        Some(rest) => [RADIANCE, rest].concat().into(),
+        None => bytes.into(),
     }
 }
 
@@ -186,9 +199,12 @@ mod tests {
     #[test]
     fn floating_point_files_are_linear() {
         let picture = ImageBuffer::from_pixel(3, 2, Pixel([8.0f32, 0.5, 0.25]));
-        let bytes = encoded(picture, ImageFormat::Hdr);
-        for encoding in [ColorEncoding::Srgb, ColorEncoding::Linear] {
-            assert_eq!(decoded(&bytes, encoding).texel(2, 1), Rgb::new(8.0, 0.5, 0.25));
+        let hdr = encoded(picture.clone(), ImageFormat::Hdr);
+        let other = [b"#?RGBE", &hdr[RADIANCE.len()..]].concat();
+        for bytes in [hdr, other, encoded(picture, ImageFormat::OpenExr)] {
+            for encoding in [ColorEncoding::Srgb, ColorEncoding::Linear] {
+                assert_eq!(decoded(&bytes, encoding).texel(2, 1), Rgb::new(8.0, 0.5, 0.25));
+            }
         }
     }
 
@@ -204,7 +220,7 @@ mod tests {
         let refused =
             |bytes: &[u8]| Image::decode(bytes, ColorEncoding::Srgb).expect_err("no image").to_string();
         for bytes in [&b""[..], b"some text", b"GIF89a and so on", b"\x00\x01\x02"] {
-            assert_eq!(refused(bytes), "it is not a PNG, JPEG, BMP or HDR image");
+            assert_eq!(refused(bytes), "it is not a PNG, JPEG, BMP, HDR or EXR image");
         }
         let picture = ImageBuffer::from_fn(64, 64, |x, y| Pixel([(x * y) as u8, x as u8, y as u8]));
         for format in [ImageFormat::Png, ImageFormat::Bmp, ImageFormat::Jpeg] {
@@ -230,7 +246,8 @@ mod tests {
         let mut random = crate::testing::Random(7);
         let files =
             [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Bmp].map(|f| encoded(picture.clone(), f));
-        for file in files.into_iter().chain([encoded(float, ImageFormat::Hdr)]) {
+        let floats = [ImageFormat::Hdr, ImageFormat::OpenExr].map(|format| encoded(float.clone(), format));
+        for file in files.into_iter().chain(floats) {
             for _ in 0..200 {
                 let mut bytes = file.clone();
                 for _ in 0..3 {

@@ -62,6 +62,7 @@ fn name(hint: &ImageFormatHint) -> &'static str {
         ImageFormatHint::Exact(ImageFormat::Jpeg) => "JPEG",
         ImageFormatHint::Exact(ImageFormat::Bmp) => "BMP",
         ImageFormatHint::Exact(ImageFormat::Hdr) => "HDR",
+        ImageFormatHint::Exact(ImageFormat::OpenExr) => "EXR",
         _ => "image",
     }
 }
@@ -74,7 +75,7 @@ impl fmt::Display for ImageError {
                 write!(f, "it has {width}x{height} pixels; {limit}")
             }
             Self::OutOfMemory => f.write_str("it takes too much memory to decode"),
-            Self::UnknownFormat => f.write_str("it is not a PNG, JPEG, BMP or HDR image"),
+            Self::UnknownFormat => f.write_str("it is not a PNG, JPEG, BMP, HDR or EXR image"),
             Self::UnsupportedVariant(format) => {
                 write!(f, "this kind of {format} file is not supported; save it as a plain PNG")
             }

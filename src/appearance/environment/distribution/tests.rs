@@ -78,7 +78,7 @@ fn samples_follow_the_density() {
         for _ in 0..count {
             let (direction, _) = table.sample([random.unit(), random.unit()]);
             let column = (equirect::longitude(direction) * table.width as f64) as usize % table.width;
-            seen[cell_of(&table.heights, direction.y) * table.width + column] += 1;
+            seen[table.row_at(direction.y) * table.width + column] += 1;
         }
         let (mut square, mut cells) = (0.0, 0.0);
         for (i, &seen) in seen.iter().enumerate() {
