@@ -10,6 +10,7 @@ use crate::base::math::{DVec3, Ray};
 use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::{LaneHit, RayInterval};
 use crate::scene::top_level::{Coherence, Hit, LaneHits, NOTHING, Stacks};
+use std::mem::take;
 
 /// The hit of each path of a stream, and the queues.
 #[derive(Default)]
@@ -27,6 +28,8 @@ pub struct HitStream {
     lights: PathQueue,
     surfaces: Vec<PathQueue>,
     ranks: Ranks,
+    /// What the searches of one stage leave to the next one.
+    stacks: Stacks,
 }
 
 impl HitStream {
@@ -103,7 +106,7 @@ impl HitStream {
         (events, media): (&mut Events, &MediaLists),
     ) {
         let materials = &context.scene.shading.materials;
-        let close = std::mem::take(&mut self.close);
+        let close = take(&mut self.close);
         for &index in &close {
             let at = Lookup::run(index, 1);
             let ray = paths.ray::<f64>(&at);
@@ -173,7 +176,7 @@ impl SimdKernel for Intersect<'_> {
         let geometry = context.scene.geometry;
         // If both see the same, this is one tree.
         let (first_tree, other_tree) = (context.bvh.of(RayKind::Camera), context.bvh.of(RayKind::Scattered));
-        let (mut stacks, materials) = (Stacks::default(), &context.scene.shading.materials);
+        let (mut stacks, materials) = (take(&mut hits.stacks), &context.scene.shading.materials);
         for first in (0..paths.len()).step_by(8) {
             let count = (paths.len() - first).min(8);
             let at = Lookup::run(first as u32, count);
@@ -216,5 +219,6 @@ impl SimdKernel for Intersect<'_> {
             }
             hits.take::<L>(first, wanted, &found);
         }
+        hits.stacks = stacks;
     }
 }

@@ -17,6 +17,7 @@ use crate::film::LayerId;
 use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::RayInterval;
 use crate::scene::top_level::{Coherence, Stacks};
+use std::mem::take;
 
 /// Traces the shadow rays to one light, and adds the light that arrives.
 pub struct TraceShadowRays<'a> {
@@ -25,6 +26,7 @@ pub struct TraceShadowRays<'a> {
     /// The layer of the light.
     pub layer: LayerId,
     pub coherence: Coherence,
+    pub stacks: &'a mut Stacks,
     pub events: &'a mut Events,
     pub media: &'a mut MediaLists,
     pub rows: &'a mut LobeTable,
@@ -38,10 +40,11 @@ impl SimdKernel for TraceShadowRays<'_> {
 
     #[inline(always)]
     fn run<L: Level>(mut self) {
-        let mut stacks = Stacks::default();
+        let mut stacks = take(self.stacks);
         for first in (0..self.shadows.len()).step_by(8) {
             self.cast::<L>(first, &mut stacks);
         }
+        *self.stacks = stacks;
     }
 }
 

@@ -29,7 +29,7 @@ use super::stream::PathStream;
 use crate::appearance::material::Lobes;
 use crate::base::lanes::dispatch;
 use crate::base::stats::Counts;
-use crate::scene::top_level::Coherence;
+use crate::scene::top_level::{Coherence, Stacks};
 
 /// The most samples of a wave. Their paths fit into a core's cache.
 pub const WAVE: usize = 1024;
@@ -46,6 +46,8 @@ pub struct ScratchBuffer {
     events: Events,
     media: MediaLists,
     shadows: Vec<ShadowStream>,
+    /// What the searches along shadow rays leave to the next ones.
+    shadow_stacks: Stacks,
     rows: LobeTable,
     samples: PixelSamples,
     places: Vec<u32>,
@@ -69,6 +71,7 @@ impl ScratchBuffer {
             events: Events::default(),
             media: MediaLists::default(),
             shadows: requests.map(|_| ShadowStream::new(context.has_transparency(), context.media)).collect(),
+            shadow_stacks: Stacks::default(),
             rows: LobeTable::new(rows.iter()),
             samples: PixelSamples::with_capacity(WAVE),
             places: Vec::with_capacity(WAVE),
@@ -157,7 +160,8 @@ impl ScratchBuffer {
         let mut next = self.stream(context);
         next.clear();
         next.set_depth(paths.depth() + 1);
-        let Self { hits, events, media, shadows, rows, sums, marks, counts, .. } = self;
+        let Self { hits, events, media, shadows, shadow_stacks: stacks, rows, sums, marks, counts, .. } =
+            self;
         hits.find(context, paths, coherence, (events, media));
         if let Some(movers) = context.movers {
             dispatch(MarkSegments { context, movers, paths, hits, marks });
@@ -189,6 +193,7 @@ impl ScratchBuffer {
                     shadows,
                     layer,
                     coherence,
+                    stacks,
                     events,
                     media,
                     rows,

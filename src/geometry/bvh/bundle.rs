@@ -35,12 +35,23 @@ type Waiting = (f32, f32, Child, u32);
 /// Capacity of the stack. Where a deeper tree needs more, the subtree is traversed by recursion.
 const STACK: usize = 64;
 
-/// Memory for the postponed children of a walk. Its content before and after a walk has no meaning.
-pub struct BundleStack([Waiting; STACK]);
+/// Memory for the postponed children of a walk, whose content before and after a walk has no meaning, and the work of
+/// all walks.
+pub struct BundleStack {
+    waiting: [Waiting; STACK],
+    pub work: BundleWork,
+}
+
+/// The nodes that bundles have visited, and the rays of the bundles there, summed over the nodes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BundleWork {
+    pub nodes: u32,
+    pub rays: u32,
+}
 
 impl Default for BundleStack {
     fn default() -> Self {
-        Self([(0.0, 0.0, Child::NONE, 0); STACK])
+        Self { waiting: [(0.0, 0.0, Child::NONE, 0); STACK], work: BundleWork::default() }
     }
 }
 
@@ -66,7 +77,7 @@ impl Tree {
         slabs: &BundleSlabs<L>,
         mut rays: u32,
         leaves: &mut T,
-        BundleStack(stack): &mut BundleStack,
+        BundleStack { waiting: stack, work }: &mut BundleStack,
     ) {
         let (mut top, mut at) = (0, from);
         let few = if T::ALONE { FEW } else { 0 };
@@ -82,6 +93,8 @@ impl Tree {
                 }
                 farthest = slabs.farthest(leaves.limit());
             } else {
+                work.nodes = work.nodes.wrapping_add(1);
+                work.rays = work.rays.wrapping_add(rays.count_ones());
                 let (node, limit, bottom) = (&self.nodes[at.0 as usize], leaves.limit(), top);
                 let (mut candidates, mut least) = (0xff, [0.0; 8]);
                 if let Some(hull) = &slabs.hull {

@@ -14,7 +14,7 @@ mod tree;
 mod tree_space;
 
 pub use build::{LeafBox, Refitter, fetch_ahead};
-pub use bundle::{BundleStack, BundleVisitor, NodeRef};
+pub use bundle::{BundleStack, BundleVisitor, BundleWork, NodeRef};
 pub use bundle_slabs::BundleSlabs;
 pub use leaf_primitives::LeafPrimitives;
 pub use slabs::Slabs;

@@ -20,8 +20,10 @@ pub struct Bvh {
     /// The largest coordinate of all bounded primitives and of the points of planes. It depends on the geometry alone,
     /// not on the tree.
     pub(super) reach: f64,
-    /// Whether the geometry is so small that incoherent rays are searched as bundles too.
+    /// Whether the geometry is so small that incoherent rays are always searched as bundles.
     pub(super) is_small: bool,
+    /// Whether no shape in the leaves has a tree of its own. Others are searched ray by ray if rays go different ways.
+    pub(super) is_plain: bool,
     /// The revision of the geometry. None before the first build.
     revision: Option<u64>,
     /// [`Geometry::replaced`] at this revision.
@@ -151,8 +153,8 @@ impl Bvh {
             (tree, leaves) = Tree::of_boxes(&boxes);
         }
         leaves.renumber(|primitive| bounded[primitive as usize]);
-        let mut shapes = geometry.primitives.iter().map(|primitive| &primitive.shape);
-        let is_small = tree.is_small() && !shapes.any(Shape::has_tree);
+        let is_plain = !geometry.primitives.iter().any(|primitive| primitive.shape.has_tree());
+        let is_small = is_plain && tree.is_small();
         let mut places = vec![Place::Nowhere; geometry.primitives.len()];
         direct.iter().chain(&meshes).for_each(|index| places[*index as usize] = Place::Direct);
         for leaf in 0..leaves.len() as u32 {
@@ -167,6 +169,7 @@ impl Bvh {
             meshes,
             reach,
             is_small,
+            is_plain,
             revision: Some(geometry.revision()),
             replaced: geometry.replaced(),
             places,

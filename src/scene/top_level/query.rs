@@ -3,6 +3,7 @@
 use super::bundle_any_hit::LaneAnyHit;
 use super::bvh::Bvh;
 use super::closest::{LaneClosestHit, LaneHits};
+use super::grouping::Grouping;
 use super::occlusion::{Occlusion, TransmissiveFlags};
 use crate::base::lanes::{Level, Mask, lanes};
 use crate::base::math::LaneRay;
@@ -18,11 +19,21 @@ pub enum Coherence {
     Incoherent,
 }
 
-/// Memory for searches along single rays and along bundles. Its content before and after a search has no meaning.
+/// What the searches of a stage share: memory, whose content before and after a search has no meaning, and how rays that
+/// go different ways are searched.
 #[derive(Default)]
 pub struct Stacks {
     single: Stack,
     bundle: BundleStack,
+    grouping: Grouping,
+}
+
+impl Stacks {
+    /// Whether the next rays, which go different ways, are searched together.
+    #[inline(always)]
+    fn together(&mut self) -> bool {
+        self.grouping.together(&mut self.bundle.work)
+    }
 }
 
 #[warn(missing_docs)]
@@ -53,6 +64,10 @@ impl Bvh {
         }
         nearest.test_apart(geometry, &self.meshes, &mut stacks.single);
         if self.tree.is_empty() {
+            return nearest.hits;
+        }
+        if self.is_plain && stacks.together() {
+            self.intersect_in_bundle::<L>(geometry, &mut nearest, &mut stacks.bundle);
             return nearest.hits;
         }
         let rays = StoredRays::of(ray);
@@ -93,7 +108,11 @@ impl Bvh {
             return found.occlusion();
         }
         found.test_apart(geometry, &self.meshes, &mut stacks.single);
-        if self.tree.is_empty() {
+        if self.tree.is_empty() || !found.open().any() {
+            return found.occlusion();
+        }
+        if self.is_plain && stacks.together() {
+            self.occlusion_in_bundle::<L>(geometry, &mut found, &mut stacks.bundle);
             return found.occlusion();
         }
         let rays = StoredRays::of(ray);
