@@ -36,10 +36,10 @@ struct Along<L: Level> {
 }
 
 impl<L: Level> BundleSlabs<L> {
-    /// Moves the rays into the tree's space, for hits beyond `t_min`. Also returns two bit sets: the rays that may be traversed as a bundle,
+    /// Moves the rays into the tree's space, for hits beyond `after`. Also returns two bit sets: the rays that may be traversed as a bundle,
     /// and those whose origins are too far away and must start nearer. The remaining rays miss the whole tree.
     #[inline(always)]
-    pub fn new(tree: &Tree, ray: &LaneRay<L::F64>, t_min: L::F64, rays: u32) -> (Self, u32, u32) {
+    pub fn new(tree: &Tree, ray: &LaneRay<L::F64>, after: L::F64, rays: u32) -> (Self, u32, u32) {
         let direction = ray.direction;
         let per_world = L::F64::splat(tree.space.scale);
         let (origin, error) = tree.moved(ray.origin);
@@ -74,7 +74,7 @@ impl<L: Level> BundleSlabs<L> {
             leave: [x.leave, y.leave, z.leave],
             backwards,
             unit: scale * per_world,
-            from: (t_min * scale * per_world * L::F64::splat(1.0 - 4.0 * ROUNDOFF)).to_f32(),
+            from: (after * scale * per_world * L::F64::splat(1.0 - 4.0 * ROUNDOFF)).to_f32(),
             origin: [origin.x.to_f32(), origin.y.to_f32(), origin.z.to_f32()],
             error: error.to_f32(),
             hull,

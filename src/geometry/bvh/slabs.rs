@@ -81,10 +81,10 @@ fn longest(v: DVec3) -> f64 {
 }
 
 impl Slabs {
-    /// The ray in the tree's space, for hits beyond `t_min`. None if its origin is far away and it misses the tree, or hits
+    /// The ray in the tree's space, for hits beyond `after`. None if its origin is far away and it misses the tree, or hits
     /// it beyond `t_max`.
     #[inline(always)]
-    pub fn new<L: Level>(tree: &Tree, ray: &TraversalRay, [t_min, t_max]: [f64; 2]) -> Option<Self> {
+    pub fn new<L: Level>(tree: &Tree, ray: &TraversalRay, [after, t_max]: [f64; 2]) -> Option<Self> {
         let scale = power_of_two(ray.longest);
         let origin = tree.space.point(ray.ray.origin);
         let Start { origin, error, begin } = match longest(origin) <= AFAR {
@@ -103,7 +103,7 @@ impl Slabs {
         let spread = L::F64::splat(SPREAD);
         let unit = scale * tree.space.scale;
         // Rays that start near the tree lose digits of t there.
-        let from = if begin == 0.0 { t_min * unit * (1.0 - 4.0 * ROUNDOFF) } else { 0.0 };
+        let from = if begin == 0.0 { after * unit * (1.0 - 4.0 * ROUNDOFF) } else { 0.0 };
         Some(Self {
             enter: [along_axes::<L>(inverse), along_axes::<L>(offset - off)],
             leave: [along_axes::<L>(inverse * spread), along_axes::<L>((offset + off) * spread)],
