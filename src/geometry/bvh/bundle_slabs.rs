@@ -36,8 +36,9 @@ struct Along<L: Level> {
 }
 
 impl<L: Level> BundleSlabs<L> {
-    /// Moves the rays into the tree's space, for hits beyond `after`. Also returns two bit sets: the rays that may be traversed as a bundle,
-    /// and those whose origins are too far away and must start nearer. The remaining rays miss the whole tree.
+    /// Moves the rays into the tree's space, for hits beyond `after`. Also returns two bit sets: the rays that may be
+    /// traversed as a bundle, and those whose origins are too far away and must start nearer. The remaining rays miss
+    /// the whole tree.
     #[inline(always)]
     pub fn new(tree: &Tree, ray: &LaneRay<L::F64>, after: L::F64, rays: u32) -> (Self, u32, u32) {
         let direction = ray.direction;
