@@ -1,8 +1,8 @@
 //! Finds the interval that holds a number without a search of all intervals.
 
 /// For ascending borders of intervals and even steps from the first border to the last one: the interval in which each
-/// step begins, then the last interval (the cutpoint method: Chen, Asau, *On Generating Random Variates from an Empirical
-/// Distribution*, 1974).
+/// step begins, then the last interval (the cutpoint method: Chen, Asau, *On Generating Random Variates from an
+/// Empirical Distribution*, 1974).
 pub fn cutpoints(ends: &[f64]) -> impl Iterator<Item = u16> {
     let (steps, last) = (steps(ends.len() - 1), ends.len() - 2);
     let (first, range) = (ends[0], ends[last + 1] - ends[0]);
@@ -21,8 +21,8 @@ pub fn steps(intervals: usize) -> usize {
     intervals.next_power_of_two()
 }
 
-/// The index of the interval between ascending `ends` that holds `value`. `place` is the value's share of the way from the
-/// first border to the last one.
+/// The index of the interval between ascending `ends` that holds `value`. `place` is the value's share of the way from
+/// the first border to the last one.
 #[inline]
 pub fn interval_of(ends: &[f64], cutpoints: &[u16], value: f64, place: f64) -> usize {
     let step = ((place * (cutpoints.len() - 1) as f64) as usize).min(cutpoints.len() - 2);

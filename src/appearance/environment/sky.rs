@@ -66,7 +66,8 @@ out_of_line! {
     }
 }
 
-/// The axes of an image of all directions. Columns repeat, so the first one follows the last one. Rows end at the poles.
+/// The axes of an image of all directions. Columns repeat, so the first one follows the last one. Rows end at the
+/// poles.
 fn axes() -> [AxisWrap; 2] {
     [Wrap::Repeat.into(), Wrap::Clamp.into()]
 }

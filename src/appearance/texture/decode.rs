@@ -28,8 +28,8 @@ const MAX_SIDE: u32 = 16_384;
 const MAX_TEXELS: u64 = 1 << 27;
 
 impl Image {
-    /// Reads a PNG, JPEG, BMP, Radiance HDR or OpenEXR file. The first bytes decide the format. A photograph is turned upright
-    /// by its EXIF orientation.
+    /// Reads a PNG, JPEG, BMP, Radiance HDR or OpenEXR file. The first bytes decide the format. A photograph is turned
+    /// upright by its EXIF orientation.
     pub fn load(path: &Path, encoding: ColorEncoding) -> Result<Self, ImageError> {
         Self::decode(&files::read(path, MAX_FILE_BYTES)?, encoding)
     }

@@ -67,8 +67,8 @@ impl AxisWrap {
         (self.wrapped(coordinate) * F::splat(size)).floor().min(F::splat(size - 1.0))
     }
 
-    /// The two texels around a finite coordinate in a row of `size` texels. Beyond an edge, the texel at the edge repeats
-    /// unless another copy follows.
+    /// The two texels around a finite coordinate in a row of `size` texels. Beyond an edge, the texel at the edge
+    /// repeats unless another copy follows.
     #[inline(always)]
     pub fn texels_around<F: Real>(&self, coordinate: F, size: u32) -> TexelPair<F> {
         let (zero, last) = (F::splat(0.0), F::splat(f64::from(size) - 1.0));

@@ -81,8 +81,8 @@ fn longest(v: DVec3) -> f64 {
 }
 
 impl Slabs {
-    /// The ray in the tree's space, for hits beyond `after`. None if its origin is far away and it misses the tree, or hits
-    /// it beyond `t_max`.
+    /// The ray in the tree's space, for hits beyond `after`. None if its origin is far away and it misses the tree, or
+    /// hits it beyond `t_max`.
     #[inline(always)]
     pub fn new<L: Level>(tree: &Tree, ray: &TraversalRay, [after, t_max]: [f64; 2]) -> Option<Self> {
         let scale = power_of_two(ray.longest);

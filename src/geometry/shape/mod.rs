@@ -190,7 +190,8 @@ impl Shape {
         }
     }
 
-    /// [`Shape::intersect`] for rays that go different ways: shapes of many parts are searched along one after the other.
+    /// [`Shape::intersect`] for rays that go different ways: shapes of many parts are searched along one after the
+    /// other.
     #[inline(always)]
     pub fn intersect_apart<F: Real>(
         &self,

@@ -3,8 +3,8 @@
 use crate::geometry::bvh::BundleWork;
 
 /// The choice between bundles and single rays. Both find the same hits, so the choice may follow what took less work
-/// lately: of every [`PERIOD`] bundles, the first [`TRIAL`] are searched together, and show how many of their rays visit a
-/// node.
+/// lately: of every [`PERIOD`] bundles, the first [`TRIAL`] are searched together, and show how many of their rays
+/// visit a node.
 #[derive(Default)]
 pub struct Grouping {
     /// The number of the next bundle in its period.
@@ -15,9 +15,9 @@ pub struct Grouping {
 const PERIOD: u32 = 1024;
 const TRIAL: u32 = 8;
 
-/// With at least so many rays at a node, on average, bundles take less time. A bundle tests the eight boxes of a node one
-/// after the other, a single ray all at once. Measured with 4.1 rays (a molecule of cylinders, bundles take 1.16 of the
-/// time), 5.2 (a bar chart, 0.98), 5.7 (spheres, 0.90) and 6.3 (hundreds of spheres on a plane, 0.77).
+/// With at least so many rays at a node, on average, bundles take less time. A bundle tests the eight boxes of a node
+/// one after the other, a single ray all at once. Measured with 4.1 rays (a molecule of cylinders, bundles take 1.16 of
+/// the time), 5.2 (a bar chart, 0.98), 5.7 (spheres, 0.90) and 6.3 (hundreds of spheres on a plane, 0.77).
 const ENOUGH: u32 = 5;
 
 impl Grouping {

@@ -19,8 +19,8 @@ pub enum Coherence {
     Incoherent,
 }
 
-/// What the searches of a stage share: memory, whose content before and after a search has no meaning, and how rays that
-/// go different ways are searched.
+/// What the searches of a stage share: memory, whose content before and after a search has no meaning, and how rays
+/// that go different ways are searched.
 #[derive(Default)]
 pub struct Stacks {
     single: Stack,

@@ -19,8 +19,8 @@ pub fn spheres<F: Real>(
     LightSample::from_surface(at, &surface, radiance, pdf)
 }
 
-/// Samples rectangles, which emit to the side of their normal; those of `both_sides` to the other side, too. `per_area` is
-/// 1 over their areas.
+/// Samples rectangles, which emit to the side of their normal; those of `both_sides` to the other side, too. `per_area`
+/// is 1 over their areas.
 #[inline(always)]
 pub fn rectangles<F: Real>(
     (rectangle, per_area): (&RectangleLanes<F>, F),

@@ -40,7 +40,8 @@ impl AreaTable {
         }
     }
 
-    /// Samples the chosen sources at points, from two numbers in 0..1. Also returns the lanes whose source is in the table.
+    /// Samples the chosen sources at points, from two numbers in 0..1. Also returns the lanes whose source is in the
+    /// table.
     #[inline(always)]
     pub fn sample<F: Real>(&self, chosen: F::U32, at: &Receiver<F>, u: [F; 2]) -> (LightSample<F>, F::Mask) {
         let (mut sample, mut known) = (LightSample::none(), F::Mask::splat(false));
