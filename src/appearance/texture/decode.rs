@@ -3,7 +3,7 @@
 use super::{Image, ImageError};
 use crate::base::color::{Rgb, srgb_to_linear};
 use crate::base::{files, machine};
-use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits, Rgba};
 use std::borrow::Cow;
 use std::io::Cursor;
 use std::path::Path;
@@ -43,6 +43,7 @@ impl Image {
         let mut limits = Limits::default();
         limits.max_alloc = Some(MAX_TEXELS * size_of::<[f32; 4]>() as u64);
         let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
+        let is_exr = reader.format() == Some(ImageFormat::OpenExr);
         reader.limits(limits);
         let mut decoder = reader.into_decoder()?;
         let (width, height) = decoder.dimensions();
@@ -60,6 +61,9 @@ impl Image {
         let orientation = decoder.orientation()?;
         let mut picture = DynamicImage::from_decoder(decoder)?;
         picture.apply_orientation(orientation);
+        if is_exr {
+            picture = straight(picture);
+        }
         let (width, height) = (picture.width(), picture.height());
         let alpha = picture.color().has_alpha().then(|| alpha(&picture));
         let image = Self::new(width, height, texels(picture, encoding));
@@ -80,6 +84,17 @@ fn with_common_signature(bytes: &[u8]) -> Cow<'_, [u8]> {
         Some(rest) => [RADIANCE, rest].concat().into(),
         None => bytes.into(),
     }
+}
+
+/// Divides colours by their alpha. EXR files hold products of both, other files colours alone.
+fn straight(picture: DynamicImage) -> DynamicImage {
+    let DynamicImage::ImageRgba32F(mut pixels) = picture else { return picture };
+    for Rgba([r, g, b, alpha]) in pixels.pixels_mut() {
+        if *alpha > 0.0 && *alpha < 1.0 {
+            [r, g, b].into_iter().for_each(|channel| *channel /= *alpha);
+        }
+    }
+    pixels.into()
 }
 
 /// Texels row by row in linear light, from grey or colours of 8 bits, 16 bits or f32.
@@ -114,7 +129,10 @@ fn alpha(picture: &DynamicImage) -> Vec<f32> {
         DynamicImage::ImageRgba16(picture) => {
             picture.pixels().map(|p| share(p.0[3].into(), u16::MAX.into())).collect()
         }
-        _ => picture.to_rgba32f().pixels().map(|p| p.0[3].clamp(0.0, 1.0)).collect(),
+        _ => {
+            let share = |alpha: f32| if alpha.is_nan() { 0.0 } else { alpha.clamp(0.0, 1.0) };
+            picture.to_rgba32f().pixels().map(|p| share(p.0[3])).collect()
+        }
     }
 }
 
@@ -127,9 +145,16 @@ fn table(last: u32, encoding: ColorEncoding) -> Vec<f32> {
     (0..=last).map(linear).collect()
 }
 
-/// Replaces invalid light: negative and non-finite numbers become 0.
+/// The largest number of 16 bits: what a sun is at least whose light did not fit into its file.
+const BRIGHTEST_HALF: f32 = 65504.0;
+
+/// Replaces invalid light: negative numbers and those that are none become 0, infinite ones the largest of 16 bits.
 fn radiance(value: f32) -> f32 {
-    if value.is_finite() { value.max(0.0) } else { 0.0 }
+    match value.is_finite() {
+        true => value.max(0.0),
+        false if value > 0.0 => BRIGHTEST_HALF,
+        false => 0.0,
+    }
 }
 
 #[cfg(test)]
@@ -137,7 +162,7 @@ mod tests {
     use super::*;
     use crate::appearance::texture::{TextureFilter, Wrap};
     use crate::base::math::DVec2;
-    use image::{ImageBuffer, ImageFormat, Luma, LumaA, Rgb as Pixel, Rgba};
+    use image::{ImageBuffer, Luma, LumaA, Rgb as Pixel};
 
     fn encoded(picture: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
@@ -206,6 +231,20 @@ mod tests {
                 assert_eq!(decoded(&bytes, encoding).texel(2, 1), Rgb::new(8.0, 0.5, 0.25));
             }
         }
+    }
+
+    #[test]
+    fn exr_files_hold_products_of_colour_and_alpha() {
+        let pixels = [
+            Rgba([0.5f32, 0.25, 0.0, 0.5]),
+            Rgba([f32::INFINITY, f32::NAN, -1.0, 1.0]),
+            Rgba([2.0, 0.0, 0.0, f32::NAN]),
+        ];
+        let picture = ImageBuffer::from_fn(3, 1, |x, _| pixels[x as usize]);
+        let image = decoded(&encoded(picture, ImageFormat::OpenExr), ColorEncoding::Srgb);
+        assert_eq!((image.texel(0, 0), image.alpha(0, 0)), (Rgb::new(1.0, 0.5, 0.0), 0.5));
+        assert_eq!((image.texel(1, 0), image.alpha(1, 0)), (Rgb::new(BRIGHTEST_HALF, 0.0, 0.0), 1.0));
+        assert_eq!(image.alpha(2, 0), 0.0);
     }
 
     #[test]

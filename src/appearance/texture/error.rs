@@ -80,6 +80,10 @@ impl fmt::Display for ImageError {
                 write!(f, "this kind of {format} file is not supported; save it as a plain PNG")
             }
             Self::Truncated => f.write_str("it is damaged: the file is truncated"),
+            Self::Corrupt("EXR") => f.write_str(
+                "its EXR data cannot be decoded: it is damaged, or has no layer of R, G and B without a name, or is compressed \
+                 by DWAA or DWAB",
+            ),
             Self::Corrupt(format) => write!(f, "it is damaged: its {format} data cannot be decoded"),
             Self::Empty => f.write_str("it is damaged: it has no pixels"),
         }

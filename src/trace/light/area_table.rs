@@ -82,7 +82,7 @@ impl AreaTable {
     }
 }
 
-/// The sources of one kind. All others repeat the first one that is of this kind, so that their numbers are harmless.
+/// The sources of one kind. The entries of other sources repeat those of the first source of this kind, so computing with them is harmless.
 struct Kind<const NUMBERS: usize> {
     /// 1 for sources of this kind, otherwise 0.
     is_one: Vec<u32>,
