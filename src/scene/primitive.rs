@@ -190,10 +190,7 @@ impl Primitive {
         within: RayInterval<F>,
         stack: &mut Stack,
     ) -> LaneHit<F> {
-        match &self.transform {
-            None => self.shape.intersect_apart(ray, within, stack),
-            Some(transform) => self.shape.intersect_apart(&transform.ray_to_object(ray), within, stack),
-        }
+        self.shape.intersect_apart(&self.own_ray(ray), within, stack)
     }
 
     /// [`Primitive::occludes`] for rays that go different ways.
@@ -204,9 +201,15 @@ impl Primitive {
         within: RayInterval<F>,
         stack: &mut Stack,
     ) -> F::Mask {
+        self.shape.occludes_apart(&self.own_ray(ray), within, stack)
+    }
+
+    /// Rays in the shape's own space.
+    #[inline(always)]
+    fn own_ray<F: Real>(&self, ray: &LaneRay<F>) -> LaneRay<F> {
         match &self.transform {
-            None => self.shape.occludes_apart(ray, within, stack),
-            Some(transform) => self.shape.occludes_apart(&transform.ray_to_object(ray), within, stack),
+            None => *ray,
+            Some(transform) => transform.ray_to_object(ray),
         }
     }
 

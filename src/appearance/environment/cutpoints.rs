@@ -1,8 +1,8 @@
 //! Finds the interval that holds a number without a search of all intervals.
 
-/// For ascending borders of intervals and even steps from the first border to the last one: the interval in which each
-/// step begins, then the last interval (the cutpoint method: Chen, Asau, *On Generating Random Variates from an
-/// Empirical Distribution*, 1974).
+/// Divides the way from the first of ascending borders to the last one into equal steps, and returns the interval in
+/// which each step begins, then the last interval (the cutpoint method: Chen, Asau, *On Generating Random Variates from
+/// an Empirical Distribution*, 1974).
 pub fn cutpoints(ends: &[f64]) -> impl Iterator<Item = u16> {
     let (steps, last) = (steps(ends.len() - 1), ends.len() - 2);
     let (first, range) = (ends[0], ends[last + 1] - ends[0]);

@@ -81,8 +81,8 @@ impl fmt::Display for ImageError {
             }
             Self::Truncated => f.write_str("it is damaged: the file is truncated"),
             Self::Corrupt("EXR") => f.write_str(
-                "its EXR data cannot be decoded: it is damaged, or has no layer of R, G and B without a name, or is compressed \
-                 by DWAA or DWAB",
+                "its EXR data cannot be decoded: it is damaged, or has no layer of R, G and B without a name, \
+                 or is compressed by DWAA or DWAB",
             ),
             Self::Corrupt(format) => write!(f, "it is damaged: its {format} data cannot be decoded"),
             Self::Empty => f.write_str("it is damaged: it has no pixels"),

@@ -36,7 +36,7 @@ type Waiting = (f32, f32, Child, u32);
 const STACK: usize = 64;
 
 /// Memory for the postponed children of a walk, whose content before and after a walk has no meaning, and the work of
-/// all walks.
+/// the walks since it was last cleared.
 pub struct BundleStack {
     waiting: [Waiting; STACK],
     pub work: BundleWork,

@@ -43,7 +43,7 @@ impl<L: Level> BundleSlabs<L> {
     pub fn new(tree: &Tree, ray: &LaneRay<L::F64>, after: L::F64, rays: u32) -> (Self, u32, u32) {
         let direction = ray.direction;
         let per_world = L::F64::splat(tree.space.scale);
-        let (origin, error) = tree.moved(ray.origin);
+        let (origin, error) = tree.in_own_space(ray.origin);
         let near = origin.abs().max_element().le(L::F64::splat(AFAR)).bits() & rays;
         let scale = direction.abs().max_element().power_of_two();
         let x = Self::along(origin.x, direction.x, scale, error);
@@ -207,7 +207,7 @@ impl Tree {
 
     /// The origins of rays in the tree's space, and their error along each axis, with [`SLACK`].
     #[inline(always)]
-    fn moved<F: Real>(&self, from: Vec3<F>) -> (Vec3<F>, F) {
+    fn in_own_space<F: Real>(&self, from: Vec3<F>) -> (Vec3<F>, F) {
         let space = &self.space;
         let origin = (from - Vec3::splat(space.origin)) * F::splat(space.scale);
         let farthest = from.abs().max_element().max(F::splat(space.farthest));
@@ -217,7 +217,7 @@ impl Tree {
     /// The rays that may hit the tree's primitives before these limits of t, by its bounds.
     #[inline(always)]
     pub fn may_hit<F: Real>(&self, ray: &LaneRay<F>, limit: F) -> F::Mask {
-        let (origin, error) = self.moved(ray.origin);
+        let (origin, error) = self.in_own_space(ray.origin);
         let (enter, leave) = self.crossed_by_bundle(origin, ray.direction, error);
         let limit = limit * F::splat(self.space.scale);
         enter.le(leave) & enter.le(limit + limit.abs() * F::splat(4.0 * ROUNDOFF))

@@ -115,7 +115,7 @@ pub fn any_part_on<L: Level>(
 
 /// The intervals of rays that may hit the box around a shape; empty for the others.
 #[inline(always)]
-fn near<F: Real>(shape: &impl PartedShape, ray: &LaneRay<F>, within: RayInterval<F>) -> RayInterval<F> {
+fn within_box<F: Real>(shape: &impl PartedShape, ray: &LaneRay<F>, within: RayInterval<F>) -> RayInterval<F> {
     let near = shape.tree().may_hit(ray, within.max);
     RayInterval { min: within.min, max: F::select(near, within.max, F::splat(-1.0)) }
 }
@@ -128,7 +128,7 @@ pub fn nearest_part_of_each<F: Real>(
     within: RayInterval<F>,
     stack: &mut Stack,
 ) -> LaneHit<F> {
-    let within = near(shape, ray, within);
+    let within = within_box(shape, ray, within);
     first_hits(ray, within, |ray, span| nearest_part_on::<F::Level>(shape, ray, span, Some(stack)))
 }
 
@@ -141,7 +141,7 @@ pub fn any_part_of_each<F: Real>(
     stack: &mut Stack,
 ) -> F::Mask {
     let mut found = 0;
-    search_each(ray, near(shape, ray, within), |lane, ray, span| {
+    search_each(ray, within_box(shape, ray, within), |lane, ray, span| {
         found |= u32::from(any_part_on::<F::Level>(shape, ray, span, Some(stack))) << lane;
     });
     F::Mask::from_bits(found)

@@ -61,8 +61,8 @@ pub fn render(
 }
 
 /// [`render`], which stops when `stop` is set: after the current frame, or with the current samples if a target error
-/// is set. There is no pilot, so the summary has no predicted time. Written stills remain. Unfinished animations, and frames that miss their target error, are closed under a
-/// name beside the final one.
+/// is set. There is no pilot, so the summary has no predicted time. Written stills remain. Unfinished animations, and
+/// frames that miss their target error, are closed under a name beside the final one.
 pub fn render_until(
     sequence: &Sequence,
     request: &Request,

@@ -130,7 +130,7 @@ impl<'a, F: Real> LaneClosestHit<'a, F> {
     #[inline(always)]
     pub fn test(&mut self, geometry: &Geometry, indices: &[u32]) {
         if !indices.is_empty() {
-            F::Level::call_with(Test { nearest: self, geometry, indices });
+            F::Level::call_with(Test { nearest: self, geometry, indices, stack: None });
         }
     }
 
@@ -138,7 +138,7 @@ impl<'a, F: Real> LaneClosestHit<'a, F> {
     #[inline(always)]
     pub fn test_apart(&mut self, geometry: &Geometry, indices: &[u32], stack: &mut Stack) {
         if !indices.is_empty() {
-            F::Level::call_with(TestApart { nearest: self, geometry, indices, stack });
+            F::Level::call_with(Test { nearest: self, geometry, indices, stack: Some(stack) });
         }
     }
 
@@ -167,6 +167,8 @@ struct Test<'a, 'n, F: Real> {
     nearest: &'a mut LaneClosestHit<'n, F>,
     geometry: &'a Geometry,
     indices: &'a [u32],
+    /// For rays that go different ways.
+    stack: Option<&'a mut Stack>,
 }
 
 impl<F: Real> LaneKernel<F::Level> for Test<'_, '_, F> {
@@ -174,33 +176,14 @@ impl<F: Real> LaneKernel<F::Level> for Test<'_, '_, F> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { nearest, geometry, indices } = self;
+        let Self { nearest, geometry, indices, mut stack } = self;
         for &index in indices {
             let within = RayInterval { min: nearest.within.min, max: nearest.limit };
-            let at = geometry.primitives[index as usize].intersect(nearest.ray, within);
-            if at.is_hit().any() {
-                nearest.consider(index, at);
-            }
-        }
-    }
-}
-
-struct TestApart<'a, 'n, F: Real> {
-    nearest: &'a mut LaneClosestHit<'n, F>,
-    geometry: &'a Geometry,
-    indices: &'a [u32],
-    stack: &'a mut Stack,
-}
-
-impl<F: Real> LaneKernel<F::Level> for TestApart<'_, '_, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { nearest, geometry, indices, stack } = self;
-        for &index in indices {
-            let within = RayInterval { min: nearest.within.min, max: nearest.limit };
-            let at = geometry.primitives[index as usize].intersect_apart(&nearest.ray.ray, within, stack);
+            let primitive = &geometry.primitives[index as usize];
+            let at = match stack.as_deref_mut() {
+                None => primitive.intersect(nearest.ray, within),
+                Some(stack) => primitive.intersect_apart(&nearest.ray.ray, within, stack),
+            };
             if at.is_hit().any() {
                 nearest.consider(index, at);
             }

@@ -9,6 +9,8 @@ use crate::geometry::bvh::BundleWork;
 pub struct Grouping {
     /// The number of the next bundle in its period.
     next: u32,
+    /// The work of the trial.
+    trial: BundleWork,
     apart: bool,
 }
 
@@ -21,17 +23,26 @@ const TRIAL: u32 = 8;
 const ENOUGH: u32 = 5;
 
 impl Grouping {
-    /// Whether the next rays are searched together. `work` is that of the bundles since it was last cleared.
+    /// Whether the next rays are searched together.
     #[inline(always)]
-    pub fn together(&mut self, work: &mut BundleWork) -> bool {
+    pub fn together(&mut self) -> bool {
         let number = self.next;
         self.next = (number + 1) % PERIOD;
         match number {
-            0 => *work = BundleWork::default(),
-            TRIAL => self.apart = work.rays < ENOUGH * work.nodes,
+            0 => self.trial = BundleWork::default(),
+            TRIAL => self.apart = self.trial.rays < ENOUGH * self.trial.nodes,
             _ => {}
         }
         number < TRIAL || !self.apart
+    }
+
+    /// Adds the work of rays that were searched together.
+    #[inline(always)]
+    pub fn add(&mut self, work: BundleWork) {
+        if self.next <= TRIAL {
+            self.trial.nodes += work.nodes;
+            self.trial.rays += work.rays;
+        }
     }
 }
 
@@ -41,12 +52,11 @@ mod tests {
 
     /// Bundles of so many rays per node: the share of rows that are searched together.
     fn share(rays: u32) -> f64 {
-        let (mut grouping, mut work) = (Grouping::default(), BundleWork::default());
-        let rows = 4 * PERIOD;
+        let (mut grouping, rows) = (Grouping::default(), 4 * PERIOD);
         let together = (0..rows).filter(|_| {
-            let together = grouping.together(&mut work);
+            let together = grouping.together();
             if together {
-                work = BundleWork { nodes: work.nodes + 3, rays: work.rays + 3 * rays };
+                grouping.add(BundleWork { nodes: 3, rays: 3 * rays });
             }
             together
         });

@@ -7,7 +7,7 @@ use super::grouping::Grouping;
 use super::occlusion::{Occlusion, TransmissiveFlags};
 use crate::base::lanes::{Level, Mask, lanes};
 use crate::base::math::LaneRay;
-use crate::geometry::bvh::{BundleStack, Stack, TraversalRay};
+use crate::geometry::bvh::{BundleStack, BundleWork, Stack, TraversalRay};
 use crate::geometry::shape::{PreparedRay, RayInterval, StoredRays};
 use crate::scene::Geometry;
 
@@ -26,14 +26,6 @@ pub struct Stacks {
     single: Stack,
     bundle: BundleStack,
     grouping: Grouping,
-}
-
-impl Stacks {
-    /// Whether the next rays, which go different ways, are searched together.
-    #[inline(always)]
-    fn together(&mut self) -> bool {
-        self.grouping.together(&mut self.bundle.work)
-    }
 }
 
 #[warn(missing_docs)]
@@ -66,8 +58,10 @@ impl Bvh {
         if self.tree.is_empty() {
             return nearest.hits;
         }
-        if self.is_plain && stacks.together() {
+        if self.is_plain && stacks.grouping.together() {
+            stacks.bundle.work = BundleWork::default();
             self.intersect_in_bundle::<L>(geometry, &mut nearest, &mut stacks.bundle);
+            stacks.grouping.add(stacks.bundle.work);
             return nearest.hits;
         }
         let rays = StoredRays::of(ray);
@@ -111,8 +105,10 @@ impl Bvh {
         if self.tree.is_empty() || !found.open().any() {
             return found.occlusion();
         }
-        if self.is_plain && stacks.together() {
+        if self.is_plain && stacks.grouping.together() {
+            stacks.bundle.work = BundleWork::default();
             self.occlusion_in_bundle::<L>(geometry, &mut found, &mut stacks.bundle);
+            stacks.grouping.add(stacks.bundle.work);
             return found.occlusion();
         }
         let rays = StoredRays::of(ray);

@@ -82,7 +82,8 @@ impl AreaTable {
     }
 }
 
-/// The sources of one kind. The entries of other sources repeat those of the first source of this kind, so computing with them is harmless.
+/// The sources of one kind. The entries of other sources repeat those of the first source of this kind, so computing
+/// with them is harmless.
 struct Kind<const NUMBERS: usize> {
     /// 1 for sources of this kind, otherwise 0.
     is_one: Vec<u32>,
@@ -174,6 +175,7 @@ impl AreaSource {
 
     fn rectangle(&self) -> Option<([f64; 13], bool)> {
         let AreaShape::Rectangle(rectangle) = self.shape else { return None };
+        // The last number stays 1 over the area.
         let (Rectangle { corner, u, v }, mut numbers) = (rectangle, [per_area(&rectangle); 13]);
         let vectors = [corner, u, v, rectangle.normal()];
         for (vector, numbers) in vectors.into_iter().zip(numbers.chunks_exact_mut(3)) {

@@ -4,7 +4,7 @@ use super::{LightSample, Receiver, area, punctual};
 use crate::appearance::light::{Light, Source};
 use crate::base::color::Rgb;
 use crate::base::lanes::{Color, Mask, Real, Select, Vec3};
-use crate::geometry::shape::{Geometric, Rectangle, RectangleLanes, SphereLanes};
+use crate::geometry::shape::{Rectangle, RectangleLanes, SphereLanes};
 
 /// Samples the light of one light at points. Only [sampled](Source::is_sampled) lights use u and v, which are in 0..1.
 #[inline(always)]
@@ -34,7 +34,7 @@ pub fn sample_light<F: Real>(light: &Light, at: &Receiver<F>, [u, v]: [F; 2]) ->
 
 /// 1 over the area of a rectangle.
 pub fn per_area(rectangle: &Rectangle) -> f64 {
-    1.0 / rectangle.area().unwrap_or(f64::INFINITY)
+    1.0 / rectangle.u.cross(rectangle.v).length()
 }
 
 /// The radiance of a light that is part of the geometry, where paths hit it. `outside` are the lanes on the side of its

@@ -105,12 +105,12 @@ fn short_segments_find_all_triangles_that_they_cross() {
     assert!(shared > 1000, "{shared}");
 }
 
-/// From far away, where rays start near the tree instead, and behind a minimum of t.
+/// From nearby, and from far away, where rays start near the tree instead; behind a minimum of t.
 #[test]
-fn far_rays_find_every_triangle_behind_a_minimum() {
+fn rays_find_every_triangle_behind_a_minimum() {
     let mesh = shape(generate::displaced_sphere(3, 7), Normals::Flat);
     let (mut random, mut behind) = (Random(5), 0);
-    for distance in [10.0, 1e3, 1e6] {
+    for distance in [2.0, 10.0, 1e3, 1e6] {
         for _ in 0..300 {
             let origin = distance * random.point(1.0).normalize();
             let ray = TraversalRay::new(Ray { origin, direction: random.point(0.5) - origin });
