@@ -182,26 +182,37 @@ impl Primitive {
         }
     }
 
-    /// [`Primitive::intersect`] for rays that go different ways.
+    /// [`Primitive::intersect`]. Given a stack, shapes with trees are searched along one ray after the other, for rays
+    /// that go different ways.
     #[inline(always)]
-    pub fn intersect_apart<F: Real>(
+    pub fn intersect_with<F: Real>(
         &self,
-        ray: &LaneRay<F>,
+        ray: &PreparedRay<F>,
         within: RayInterval<F>,
-        stack: &mut Stack,
+        apart: Option<&mut Stack>,
     ) -> LaneHit<F> {
-        self.shape.intersect_apart(&self.own_ray(ray), within, stack)
+        match apart {
+            Some(stack) if self.shape.has_tree() => {
+                self.shape.intersect_apart(&self.own_ray(&ray.ray), within, stack)
+            }
+            _ => self.intersect(ray, within),
+        }
     }
 
-    /// [`Primitive::occludes`] for rays that go different ways.
+    /// [`Primitive::occludes`], as in [`Primitive::intersect_with`].
     #[inline(always)]
-    pub fn occludes_apart<F: Real>(
+    pub fn occludes_with<F: Real>(
         &self,
-        ray: &LaneRay<F>,
+        ray: &PreparedRay<F>,
         within: RayInterval<F>,
-        stack: &mut Stack,
+        apart: Option<&mut Stack>,
     ) -> F::Mask {
-        self.shape.occludes_apart(&self.own_ray(ray), within, stack)
+        match apart {
+            Some(stack) if self.shape.has_tree() => {
+                self.shape.occludes_apart(&self.own_ray(&ray.ray), within, stack)
+            }
+            _ => self.occludes(ray, within),
+        }
     }
 
     /// Rays in the shape's own space.

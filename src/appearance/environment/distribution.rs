@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::cutpoints::{cutpoints, interval_of, steps};
+use super::borders::Borders;
 use super::{Sky, equirect};
 use crate::base::color::Rgb;
 use crate::base::lanes::{Real, Vec3};
@@ -16,17 +16,11 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentDistribution {
     /// For each row from the bottom, the probability of all rows below it; then 1.
-    rows: Vec<f64>,
+    rows: Borders,
     /// Row by row: for each cell, the probability within the row of all cells to its left; then 1.
-    columns: Vec<f64>,
+    columns: Borders,
     /// Heights of the borders between rows, from -1 to 1.
-    heights: Vec<f64>,
-    /// [Cutpoints](cutpoints) of `rows`, of the cells of each row, and of `heights`.
-    row_cutpoints: Vec<u16>,
-    column_cutpoints: Vec<u16>,
-    height_cutpoints: Vec<u16>,
-    /// Cells in a row.
-    width: usize,
+    heights: Borders,
 }
 
 /// Maximum columns and rows.
@@ -68,17 +62,12 @@ impl EnvironmentDistribution {
         }
         cells.iter_mut().for_each(|cell| *cell = (1.0 - UNIFORM_SHARE) * *cell + UNIFORM_SHARE * whole);
         let rows = cells.chunks_exact(width).enumerate().map(|(y, row)| share(y) * mean(row));
-        let rows: Vec<f64> = cumulative(rows).collect();
-        let columns: Vec<f64> =
-            cells.chunks_exact(width).flat_map(|row| cumulative(row.iter().copied())).collect();
         Some(Self {
-            row_cutpoints: cutpoints(&rows).collect(),
-            column_cutpoints: columns.chunks_exact(width + 1).flat_map(cutpoints).collect(),
-            height_cutpoints: cutpoints(&heights).collect(),
-            rows,
-            columns,
-            heights,
-            width,
+            rows: Borders::new([cumulative(rows).collect()]),
+            columns: Borders::new(
+                cells.chunks_exact(width).map(|row| cumulative(row.iter().copied()).collect()),
+            ),
+            heights: Borders::new([heights]),
         })
     }
 
@@ -86,57 +75,41 @@ impl EnvironmentDistribution {
     #[inline(always)]
     pub fn sample<F: Real>(&self, [u, v]: [F; 2]) -> (Vec3<F>, F) {
         let (us, vs) = (u.to_array(), v.to_array());
-        let (mut height, mut longitude) = (us, us);
+        let (mut heights, mut longitudes, mut pdf) = (us, us, us);
         for lane in 0..F::LANES {
-            let place = self.place([us[lane], vs[lane]]);
-            (longitude[lane], height[lane]) = (place.x, place.y);
+            let (row, up) = interval_at(&self.rows, 0, vs[lane]);
+            let (column, right) = interval_at(&self.columns, row, us[lane]);
+            let [low, high] = self.heights.around(0, row);
+            heights[lane] = low + up * (high - low);
+            longitudes[lane] = (column as f64 + right) / self.columns.count() as f64;
+            pdf[lane] = self.cell_pdf(column, row);
         }
-        let (y, one) = (F::from_array(height), F::splat(1.0));
+        let (y, one) = (F::from_array(heights), F::splat(1.0));
         let level = ((one - y) * (one + y)).max(F::splat(0.0)).sqrt();
-        let direction = equirect::around(F::from_array(longitude), y, level);
-        // The density of the rounded direction, so that it equals a later result of `pdf`.
-        (direction, self.pdf(direction))
-    }
-
-    /// The longitude in 0..=1 and the height of the direction that two numbers in 0..1 give.
-    fn place(&self, [u, v]: [f64; 2]) -> DVec2 {
-        let (row, up) = interval_at(&self.rows, &self.row_cutpoints, v);
-        let steps = steps(self.width) + 1;
-        let (column, right) = interval_at(self.row(row), &self.column_cutpoints[row * steps..][..steps], u);
-        let height = self.heights[row] + up * (self.heights[row + 1] - self.heights[row]);
-        DVec2::new((column as f64 + right) / self.width as f64, height)
+        // Next to the border of a cell, rounding may move the direction to the neighbour, whose density `pdf` gives.
+        (equirect::around(F::from_array(longitudes), y, level), F::from_array(pdf))
     }
 
     /// The densities per steradian of directions, which are unit vectors in the sky.
     #[inline(always)]
     pub fn pdf<F: Real>(&self, direction: Vec3<F>) -> F {
-        let column = equirect::longitude(direction) * F::splat(self.width as f64);
+        let width = self.columns.count();
+        let column = equirect::longitude(direction) * F::splat(width as f64);
         let (columns, heights) = (column.to_array(), direction.y.to_array());
         let mut pdf = columns;
         for lane in 0..F::LANES {
-            pdf[lane] = self.cell_pdf(columns[lane] as usize, heights[lane]);
+            let column = (columns[lane] as usize).min(width - 1);
+            pdf[lane] = self.cell_pdf(column, self.heights.find(0, heights[lane]));
         }
         F::from_array(pdf)
     }
 
-    /// The density per steradian in the cell of a column at a height.
-    fn cell_pdf(&self, column: usize, height: f64) -> f64 {
-        let row = self.row_at(height);
-        let columns = self.row(row);
-        let column = column.min(self.width - 1);
-        let probability = (self.rows[row + 1] - self.rows[row]) * (columns[column + 1] - columns[column]);
-        let solid_angle = TAU / self.width as f64 * (self.heights[row + 1] - self.heights[row]);
+    /// The density per steradian in a cell.
+    #[inline(always)]
+    fn cell_pdf(&self, column: usize, row: usize) -> f64 {
+        let probability = self.rows.width(0, row) * self.columns.width(row, column);
+        let solid_angle = TAU / self.columns.count() as f64 * self.heights.width(0, row);
         probability / solid_angle
-    }
-
-    /// The row that holds a height.
-    fn row_at(&self, height: f64) -> usize {
-        interval_of(&self.heights, &self.height_cutpoints, height, 0.5 * (height + 1.0))
-    }
-
-    fn row(&self, row: usize) -> &[f64] {
-        let start = row * (self.width + 1);
-        &self.columns[start..=start + self.width]
     }
 }
 
@@ -177,8 +150,10 @@ fn cumulative(weights: impl Iterator<Item = f64> + Clone) -> impl Iterator<Item 
     std::iter::once(0.0).chain(sums)
 }
 
-/// The interval that holds `u` in 0..1, and the fraction of the way along it.
-fn interval_at(ends: &[f64], cutpoints: &[u16], u: f64) -> (usize, f64) {
-    let cell = interval_of(ends, cutpoints, u, u);
-    (cell, ((u - ends[cell]) / (ends[cell + 1] - ends[cell])).clamp(0.0, 1.0))
+/// The interval of a row that holds `u` in 0..1, and the fraction of the way along it.
+#[inline(always)]
+fn interval_at(borders: &Borders, row: usize, u: f64) -> (usize, f64) {
+    let interval = borders.find(row, u);
+    let [low, high] = borders.around(row, interval);
+    (interval, ((u - low) / (high - low)).clamp(0.0, 1.0))
 }

@@ -1,7 +1,7 @@
 //! Environments: the radiance that rays see if they hit nothing.
 
+mod borders;
 mod cube_map;
-mod cutpoints;
 mod equirect;
 mod sky;
 mod distribution;

@@ -190,8 +190,7 @@ impl Shape {
         }
     }
 
-    /// [`Shape::intersect`] for rays that go different ways: shapes of many parts are searched along one after the
-    /// other.
+    /// [`Shape::intersect`] of shapes with trees, for rays that go different ways: one is searched after the other.
     #[inline(always)]
     pub fn intersect_apart<F: Real>(
         &self,
@@ -202,11 +201,11 @@ impl Shape {
         match self {
             Self::Mesh(mesh) => nearest_part_of_each(mesh, ray, within, stack),
             Self::Particles(particles) => nearest_part_of_each(particles, ray, within, stack),
-            _ => self.intersect(&PreparedRay::new(*ray), within),
+            _ => LaneHit::none(),
         }
     }
 
-    /// [`Shape::occludes`] for rays that go different ways.
+    /// [`Shape::occludes`] of shapes with trees, for rays that go different ways.
     #[inline(always)]
     pub fn occludes_apart<F: Real>(
         &self,
@@ -217,7 +216,7 @@ impl Shape {
         match self {
             Self::Mesh(mesh) => any_part_of_each(mesh, ray, within, stack),
             Self::Particles(particles) => any_part_of_each(particles, ray, within, stack),
-            _ => self.occludes(&PreparedRay::new(*ray), within),
+            _ => F::Mask::splat(false),
         }
     }
 

@@ -5,23 +5,23 @@ use super::closest::LaneClosestHit;
 use super::single::ClosestHit;
 use super::single_rays::{SingleRay, Singles};
 use crate::base::lanes::{LaneKernel, Level, Mask, Real, Row, Select};
-use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, NodeRef, TraversalRay};
+use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, NodeRef, Stack, TraversalRay};
 use crate::geometry::shape::{RayInterval, store_lanes};
 use crate::scene::Geometry;
 
 impl Bvh {
-    /// Searches the tree for the closest hits of eight rays.
+    /// Searches the tree for the closest hits of eight rays. Those that go different ways come with a stack.
     #[inline(always)]
     pub(super) fn intersect_in_bundle<L: Level>(
         &self,
         geometry: &Geometry,
         nearest: &mut LaneClosestHit<L::F64>,
-        stack: &mut BundleStack,
+        (stack, apart): (&mut BundleStack, Option<&mut Stack>),
     ) {
         if self.tree.is_small() {
-            L::call_with(Closest::<L, 0> { bvh: self, geometry, nearest, stack });
+            L::call_with(Closest::<L, 0> { bvh: self, geometry, nearest, stack, apart });
         } else {
-            L::call_with(Closest::<L, 8> { bvh: self, geometry, nearest, stack });
+            L::call_with(Closest::<L, 8> { bvh: self, geometry, nearest, stack, apart });
         }
     }
 }
@@ -32,6 +32,7 @@ struct Closest<'a, 'r, L: Level, const ALONE: usize> {
     geometry: &'a Geometry,
     nearest: &'a mut LaneClosestHit<'r, L::F64>,
     stack: &'a mut BundleStack,
+    apart: Option<&'a mut Stack>,
 }
 
 impl<L: Level, const ALONE: usize> LaneKernel<L> for Closest<'_, '_, L, ALONE> {
@@ -39,13 +40,13 @@ impl<L: Level, const ALONE: usize> LaneKernel<L> for Closest<'_, '_, L, ALONE> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { bvh, geometry, nearest, stack } = self;
+        let Self { bvh, geometry, nearest, stack, apart } = self;
         let ray = &nearest.ray.ray;
         let wanted = L::F64::splat(0.0).le(nearest.limit).bits();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray, nearest.within.min, wanted);
         let singles = Singles::<ALONE>::new();
         let limit = slabs.limit(nearest.limit);
-        let mut walk = ClosestHitWalk { bvh, geometry, slabs: &slabs, nearest, limit, singles };
+        let mut walk = ClosestHitWalk { bvh, geometry, slabs: &slabs, nearest, limit, singles, apart };
         if near != 0 {
             bvh.tree.walk_bundle(&slabs, near, &mut walk, stack);
         }
@@ -63,6 +64,7 @@ struct ClosestHitWalk<'a, 'r, L: Level, const ALONE: usize> {
     nearest: &'a mut LaneClosestHit<'r, L::F64>,
     limit: L::F32,
     singles: Singles<ALONE>,
+    apart: Option<&'a mut Stack>,
 }
 
 impl<L: Level, const ALONE: usize> ClosestHitWalk<'_, '_, L, ALONE> {
@@ -92,7 +94,7 @@ impl<L: Level, const ALONE: usize> BundleVisitor<L> for ClosestHitWalk<'_, '_, L
         let all = self.nearest.limit;
         // The other rays do not enter the leaf.
         self.nearest.limit = L::F64::select(L::Mask::from_bits(rays), all, L::F64::splat(-1.0));
-        self.nearest.test(self.geometry, self.bvh.leaves.leaf(leaf));
+        self.nearest.test(self.geometry, self.bvh.leaves.leaf(leaf), self.apart.as_deref_mut());
         self.nearest.limit = L::F64::select(L::Mask::from_bits(rays), self.nearest.limit, all);
         self.limit = self.slabs.limit(self.nearest.limit);
     }

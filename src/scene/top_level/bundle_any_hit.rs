@@ -37,25 +37,16 @@ impl<'a, L: Level> LaneAnyHit<'a, L> {
         self.open
     }
 
-    /// Tests the primitives of these indices for some of the rays.
+    /// Tests the primitives of these indices for some of the rays. Rays that go different ways come with a stack.
     #[inline(always)]
-    pub fn test(&mut self, geometry: &Geometry, indices: &[u32], rays: L::Mask) {
+    pub fn test(&mut self, geometry: &Geometry, indices: &[u32], rays: L::Mask, apart: Option<&mut Stack>) {
         if !indices.is_empty() {
-            L::call_with(Test { shadow: self, geometry, indices, rays, stack: None });
-        }
-    }
-
-    /// [`LaneAnyHit::test`] of all rays, which go different ways.
-    #[inline(always)]
-    pub fn test_apart(&mut self, geometry: &Geometry, indices: &[u32], stack: &mut Stack) {
-        if !indices.is_empty() {
-            let rays = self.open;
-            L::call_with(Test { shadow: self, geometry, indices, rays, stack: Some(stack) });
+            L::call_with(Test { shadow: self, geometry, indices, rays, apart });
         }
     }
 
     #[inline(always)]
-    fn test_one(&mut self, rays: L::Mask, index: u32, primitive: &Primitive, stack: Option<&mut Stack>) {
+    fn test_one(&mut self, rays: L::Mask, index: u32, primitive: &Primitive, apart: Option<&mut Stack>) {
         let passes = is_transmissive(self.transmissive, index);
         let rays = if passes { rays & !self.dimmed } else { rays };
         if !rays.any() {
@@ -63,10 +54,7 @@ impl<'a, L: Level> LaneAnyHit<'a, L> {
         }
         let max = L::F64::select(rays, self.within.max, L::F64::splat(-1.0));
         let within = RayInterval { min: self.within.min, max };
-        let met = match stack {
-            None => primitive.occludes(self.ray, within),
-            Some(stack) => primitive.occludes_apart(&self.ray.ray, within, stack),
-        };
+        let met = primitive.occludes_with(self.ray, within, apart);
         if passes {
             self.dimmed = self.dimmed | met;
         } else {
@@ -97,8 +85,7 @@ struct Test<'a, 'r, L: Level> {
     geometry: &'a Geometry,
     indices: &'a [u32],
     rays: L::Mask,
-    /// For rays that go different ways.
-    stack: Option<&'a mut Stack>,
+    apart: Option<&'a mut Stack>,
 }
 
 impl<L: Level> LaneKernel<L> for Test<'_, '_, L> {
@@ -106,27 +93,27 @@ impl<L: Level> LaneKernel<L> for Test<'_, '_, L> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { shadow, geometry, indices, rays, mut stack } = self;
+        let Self { shadow, geometry, indices, rays, mut apart } = self;
         for &index in indices {
             let primitive = &geometry.primitives[index as usize];
-            shadow.test_one(rays & shadow.open, index, primitive, stack.as_deref_mut());
+            shadow.test_one(rays & shadow.open, index, primitive, apart.as_deref_mut());
         }
     }
 }
 
 impl Bvh {
-    /// Searches the tree for primitives that block eight rays.
+    /// Searches the tree for primitives that block eight rays. Those that go different ways come with a stack.
     #[inline(always)]
     pub(super) fn occlusion_in_bundle<L: Level>(
         &self,
         geometry: &Geometry,
         shadow: &mut LaneAnyHit<L>,
-        stack: &mut BundleStack,
+        (stack, apart): (&mut BundleStack, Option<&mut Stack>),
     ) {
         if self.tree.is_small() {
-            L::call_with(Occluded::<L, 0> { bvh: self, geometry, shadow, stack });
+            L::call_with(Occluded::<L, 0> { bvh: self, geometry, shadow, stack, apart });
         } else {
-            L::call_with(Occluded::<L, 8> { bvh: self, geometry, shadow, stack });
+            L::call_with(Occluded::<L, 8> { bvh: self, geometry, shadow, stack, apart });
         }
     }
 }
@@ -137,6 +124,7 @@ struct Occluded<'a, 'r, L: Level, const ALONE: usize> {
     geometry: &'a Geometry,
     shadow: &'a mut LaneAnyHit<'r, L>,
     stack: &'a mut BundleStack,
+    apart: Option<&'a mut Stack>,
 }
 
 impl<L: Level, const ALONE: usize> LaneKernel<L> for Occluded<'_, '_, L, ALONE> {
@@ -144,13 +132,13 @@ impl<L: Level, const ALONE: usize> LaneKernel<L> for Occluded<'_, '_, L, ALONE> 
 
     #[inline(always)]
     fn run(self) {
-        let Self { bvh, geometry, shadow, stack } = self;
+        let Self { bvh, geometry, shadow, stack, apart } = self;
         let ray = &shadow.ray.ray;
         let wanted = shadow.open.bits();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray, shadow.within.min, wanted);
         let singles = Singles::<ALONE>::new();
         let limit = slabs.limit(L::F64::select(shadow.open, shadow.within.max, L::F64::splat(-1.0)));
-        let mut walk = AnyHitWalk { bvh, geometry, shadow, limit, singles };
+        let mut walk = AnyHitWalk { bvh, geometry, shadow, limit, singles, apart };
         if near != 0 {
             bvh.tree.walk_bundle(&slabs, near, &mut walk, stack);
         }
@@ -167,6 +155,7 @@ struct AnyHitWalk<'a, 'r, L: Level, const ALONE: usize> {
     shadow: &'a mut LaneAnyHit<'r, L>,
     limit: L::F32,
     singles: Singles<ALONE>,
+    apart: Option<&'a mut Stack>,
 }
 
 impl<L: Level, const ALONE: usize> AnyHitWalk<'_, '_, L, ALONE> {
@@ -203,7 +192,8 @@ impl<L: Level, const ALONE: usize> BundleVisitor<L> for AnyHitWalk<'_, '_, L, AL
 
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
-        self.shadow.test(self.geometry, self.bvh.leaves.leaf(leaf), L::Mask::from_bits(rays));
+        let (primitives, rays) = (self.bvh.leaves.leaf(leaf), L::Mask::from_bits(rays));
+        self.shadow.test(self.geometry, primitives, rays, self.apart.as_deref_mut());
         self.close();
     }
 

@@ -20,10 +20,6 @@ pub struct Bvh {
     /// The largest coordinate of all bounded primitives and of the points of planes. It depends on the geometry alone,
     /// not on the tree.
     pub(super) reach: f64,
-    /// Whether the geometry is so small that incoherent rays are always searched as bundles.
-    pub(super) is_small: bool,
-    /// Whether no shape in the leaves has a tree of its own. Others are searched ray by ray if rays go different ways.
-    pub(super) is_plain: bool,
     /// The revision of the geometry. None before the first build.
     revision: Option<u64>,
     /// [`Geometry::replaced`] at this revision.
@@ -153,8 +149,6 @@ impl Bvh {
             (tree, leaves) = Tree::of_boxes(&boxes);
         }
         leaves.renumber(|primitive| bounded[primitive as usize]);
-        let is_plain = !geometry.primitives.iter().any(|primitive| primitive.shape.has_tree());
-        let is_small = is_plain && tree.is_small();
         let mut places = vec![Place::Nowhere; geometry.primitives.len()];
         direct.iter().chain(&meshes).for_each(|index| places[*index as usize] = Place::Direct);
         for leaf in 0..leaves.len() as u32 {
@@ -168,8 +162,6 @@ impl Bvh {
             direct,
             meshes,
             reach,
-            is_small,
-            is_plain,
             revision: Some(geometry.revision()),
             replaced: geometry.replaced(),
             places,
@@ -241,7 +233,6 @@ impl Bvh {
         let place = list.partition_point(|index| *index < slot as u32);
         list.insert(place, slot as u32);
         self.places[slot] = Place::Direct;
-        self.is_small &= !is_mesh;
     }
 
     fn remove_direct(&mut self, slot: usize) {

@@ -126,19 +126,11 @@ impl<'a, F: Real> LaneClosestHit<'a, F> {
         Self { ray, within, coincidence_range: ray.coincidence_range(reach), hits: LaneHits::none(), limit }
     }
 
-    /// Tests the primitives of these indices, in any order.
+    /// Tests the primitives of these indices, in any order. Rays that go different ways come with a stack.
     #[inline(always)]
-    pub fn test(&mut self, geometry: &Geometry, indices: &[u32]) {
+    pub fn test(&mut self, geometry: &Geometry, indices: &[u32], apart: Option<&mut Stack>) {
         if !indices.is_empty() {
-            F::Level::call_with(Test { nearest: self, geometry, indices, stack: None });
-        }
-    }
-
-    /// [`LaneClosestHit::test`] for rays that go different ways.
-    #[inline(always)]
-    pub fn test_apart(&mut self, geometry: &Geometry, indices: &[u32], stack: &mut Stack) {
-        if !indices.is_empty() {
-            F::Level::call_with(Test { nearest: self, geometry, indices, stack: Some(stack) });
+            F::Level::call_with(Test { nearest: self, geometry, indices, apart });
         }
     }
 
@@ -167,8 +159,7 @@ struct Test<'a, 'n, F: Real> {
     nearest: &'a mut LaneClosestHit<'n, F>,
     geometry: &'a Geometry,
     indices: &'a [u32],
-    /// For rays that go different ways.
-    stack: Option<&'a mut Stack>,
+    apart: Option<&'a mut Stack>,
 }
 
 impl<F: Real> LaneKernel<F::Level> for Test<'_, '_, F> {
@@ -176,14 +167,11 @@ impl<F: Real> LaneKernel<F::Level> for Test<'_, '_, F> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { nearest, geometry, indices, mut stack } = self;
+        let Self { nearest, geometry, indices, mut apart } = self;
         for &index in indices {
             let within = RayInterval { min: nearest.within.min, max: nearest.limit };
             let primitive = &geometry.primitives[index as usize];
-            let at = match stack.as_deref_mut() {
-                None => primitive.intersect(nearest.ray, within),
-                Some(stack) => primitive.intersect_apart(&nearest.ray.ray, within, stack),
-            };
+            let at = primitive.intersect_with(nearest.ray, within, apart.as_deref_mut());
             if at.is_hit().any() {
                 nearest.consider(index, at);
             }

@@ -43,35 +43,33 @@ impl Bvh {
     ) -> LaneHits<L::F64> {
         let prepared = PreparedRay::new(*ray);
         let mut nearest = LaneClosestHit::new(&prepared, self.reach, within, wanted);
-        nearest.test(geometry, &self.direct);
+        nearest.test(geometry, &self.direct, None);
         if self.tree.is_empty() && self.meshes.is_empty() {
             return nearest.hits;
         }
-        if self.is_small || coherence == Coherence::Coherent {
-            nearest.test(geometry, &self.meshes);
-            if !self.tree.is_empty() {
-                self.intersect_in_bundle::<L>(geometry, &mut nearest, &mut stacks.bundle);
-            }
-            return nearest.hits;
-        }
-        nearest.test_apart(geometry, &self.meshes, &mut stacks.single);
+        let Stacks { single, bundle, grouping } = stacks;
+        let mut apart = (coherence == Coherence::Incoherent).then_some(single);
+        nearest.test(geometry, &self.meshes, apart.as_deref_mut());
         if self.tree.is_empty() {
             return nearest.hits;
         }
-        if self.is_plain && stacks.grouping.together() {
-            stacks.bundle.work = BundleWork::default();
-            self.intersect_in_bundle::<L>(geometry, &mut nearest, &mut stacks.bundle);
-            stacks.grouping.add(stacks.bundle.work);
+        let Some(single) = apart else {
+            self.intersect_in_bundle::<L>(geometry, &mut nearest, (bundle, None));
+            return nearest.hits;
+        };
+        if self.tree.is_small() || grouping.together() {
+            bundle.work = BundleWork::default();
+            self.intersect_in_bundle::<L>(geometry, &mut nearest, (bundle, Some(single)));
+            grouping.add(bundle.work);
             return nearest.hits;
         }
         let rays = StoredRays::of(ray);
         let mut hits = nearest.hits.store();
         let within = nearest.bounds();
         for lane in lanes(wanted.bits()) {
-            let single = TraversalRay::new(rays.one(lane));
+            let ray = TraversalRay::new(rays.one(lane));
             let span = RayInterval { min: within[0][lane], max: within[1][lane] };
-            let hit =
-                self.intersect_on::<L::Narrow>(geometry, &single, span, hits.lane(lane), &mut stacks.single);
+            let hit = self.intersect_on::<L::Narrow>(geometry, &ray, span, hits.lane(lane), single);
             hits.set_lane(lane, hit);
         }
         hits.load()
@@ -90,35 +88,34 @@ impl Bvh {
     ) -> Occlusion<L::Mask> {
         let prepared = PreparedRay::new(*ray);
         let mut found = LaneAnyHit::<L>::new(&prepared, within, wanted, transmissive);
-        found.test(geometry, &self.direct, wanted);
+        found.test(geometry, &self.direct, wanted, None);
         if (self.tree.is_empty() && self.meshes.is_empty()) || !found.open().any() {
             return found.occlusion();
         }
-        if self.is_small || coherence == Coherence::Coherent {
-            found.test(geometry, &self.meshes, found.open());
-            if !self.tree.is_empty() && found.open().any() {
-                self.occlusion_in_bundle::<L>(geometry, &mut found, &mut stacks.bundle);
-            }
-            return found.occlusion();
-        }
-        found.test_apart(geometry, &self.meshes, &mut stacks.single);
+        let Stacks { single, bundle, grouping } = stacks;
+        let mut apart = (coherence == Coherence::Incoherent).then_some(single);
+        found.test(geometry, &self.meshes, found.open(), apart.as_deref_mut());
         if self.tree.is_empty() || !found.open().any() {
             return found.occlusion();
         }
-        if self.is_plain && stacks.grouping.together() {
-            stacks.bundle.work = BundleWork::default();
-            self.occlusion_in_bundle::<L>(geometry, &mut found, &mut stacks.bundle);
-            stacks.grouping.add(stacks.bundle.work);
+        let Some(single) = apart else {
+            self.occlusion_in_bundle::<L>(geometry, &mut found, (bundle, None));
+            return found.occlusion();
+        };
+        if self.tree.is_small() || grouping.together() {
+            bundle.work = BundleWork::default();
+            self.occlusion_in_bundle::<L>(geometry, &mut found, (bundle, Some(single)));
+            grouping.add(bundle.work);
             return found.occlusion();
         }
         let rays = StoredRays::of(ray);
         let bounds = found.bounds();
         let mut bits = found.bits();
         for lane in lanes(found.open().bits()) {
-            let single = TraversalRay::new(rays.one(lane));
+            let ray = TraversalRay::new(rays.one(lane));
             let span = RayInterval { min: bounds[0][lane], max: bounds[1][lane] };
             let [blocked, dimmed] =
-                self.occlusion_on::<L::Narrow>(geometry, &single, span, transmissive, &mut stacks.single);
+                self.occlusion_on::<L::Narrow>(geometry, &ray, span, transmissive, single);
             bits[0] |= u32::from(blocked) << lane;
             bits[1] |= u32::from(dimmed) << lane;
         }

@@ -73,20 +73,20 @@ fn samples_follow_the_density() {
     let mut random = Random(21);
     for (_, table) in tables() {
         let count = 400_000;
-        let height = table.rows.len() - 1;
-        let mut seen = vec![0u32; table.width * height];
+        let (width, height) = (table.columns.count(), table.rows.count());
+        let mut seen = vec![0u32; width * height];
         for _ in 0..count {
             let (direction, _) = table.sample([random.unit(), random.unit()]);
-            let column = (equirect::longitude(direction) * table.width as f64) as usize % table.width;
-            seen[table.row_at(direction.y) * table.width + column] += 1;
+            let column = (equirect::longitude(direction) * width as f64) as usize % width;
+            seen[table.heights.find(0, direction.y) * width + column] += 1;
         }
         let (mut square, mut cells) = (0.0, 0.0);
         for (i, &seen) in seen.iter().enumerate() {
-            let (row, column) = (i / table.width, (i % table.width) as f64 + 0.5);
-            let (low, high) = (table.heights[row], table.heights[row + 1]);
+            let (row, column) = (i / width, (i % width) as f64 + 0.5);
+            let [low, high] = table.heights.around(0, row);
             let y = 0.5 * (low + high);
-            let middle = equirect::around(column / table.width as f64, y, (1.0 - y * y).sqrt());
-            let expected = f64::from(count) * table.pdf(middle) * (high - low) * TAU / table.width as f64;
+            let middle = equirect::around(column / width as f64, y, (1.0 - y * y).sqrt());
+            let expected = f64::from(count) * table.pdf(middle) * (high - low) * TAU / width as f64;
             if expected >= 5.0 {
                 square += (f64::from(seen) - expected) * (f64::from(seen) - expected) / expected;
                 cells += 1.0;

@@ -1,0 +1,124 @@
+//! Ascending borders, and the search for the interval between them that holds a number.
+
+/// Rows of ascending numbers, the borders of intervals. All rows have equally many, and the same first and last one.
+///
+/// The way from the first border to the last one is divided into equal steps. A table has the interval in which each step
+/// begins (the cutpoint method: Chen, Asau, *On Generating Random Variates from an Empirical Distribution*, 1974).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Borders {
+    /// Row by row. Each ends with [`WINDOW`] infinite ones.
+    ends: Vec<f64>,
+    /// The first interval of each step of each row.
+    cutpoints: Vec<u16>,
+    /// Intervals in a row.
+    count: usize,
+    /// Steps in a row, a power of two, so that the place of a step is exact.
+    steps: usize,
+    first: f64,
+    /// 1 / the way from the first border to the last one.
+    per_range: f64,
+}
+
+/// The borders that are compared at a time. They fill a cache line.
+const WINDOW: usize = 8;
+
+/// Intervals per step. With fewer, the table of large skies would not fit into a core's cache. With more, the borders of
+/// many steps would not fit into a window.
+const PER_STEP: usize = 4;
+
+impl Borders {
+    /// Borders from rows, whose first numbers are all equal, and whose last ones are, too. At least two numbers, at most
+    /// 2^16.
+    pub fn new(rows: impl IntoIterator<Item = Vec<f64>>) -> Self {
+        let mut rows = rows.into_iter().peekable();
+        let ends = rows.peek().map_or(&[0.0, 1.0][..], |row| row);
+        let (count, first, last) = (ends.len() - 1, ends[0], ends[ends.len() - 1]);
+        let steps = (count.next_power_of_two() / PER_STEP).max(1);
+        let (mut ends, mut cutpoints) = (Vec::new(), Vec::new());
+        for row in rows {
+            let mut interval = 0;
+            cutpoints.extend((0..steps).map(|step| {
+                let begin = first + (last - first) * (step as f64 / steps as f64);
+                while interval < count - 1 && row[interval + 1] <= begin {
+                    interval += 1;
+                }
+                interval as u16
+            }));
+            ends.extend(row);
+            ends.extend([f64::INFINITY; WINDOW]);
+        }
+        Self { ends, cutpoints, count, steps, first, per_range: 1.0 / (last - first) }
+    }
+
+    /// Intervals in a row.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The lower and the upper border of an interval of a row.
+    #[inline(always)]
+    pub fn around(&self, row: usize, interval: usize) -> [f64; 2] {
+        let at = row * (self.count + 1 + WINDOW) + interval;
+        [self.ends[at], self.ends[at + 1]]
+    }
+
+    /// The width of an interval of a row.
+    #[inline(always)]
+    pub fn width(&self, row: usize, interval: usize) -> f64 {
+        let [low, high] = self.around(row, interval);
+        high - low
+    }
+
+    /// The interval of a row that holds a value: the first one for values before it, the last one for those behind it.
+    #[inline(always)]
+    pub fn find(&self, row: usize, value: f64) -> usize {
+        let step = ((value - self.first) * self.per_range * self.steps as f64) as usize;
+        let cutpoint = self.cutpoints[row * self.steps + step.min(self.steps - 1)];
+        let row = &self.ends[row * (self.count + 1 + WINDOW)..][..self.count + 1 + WINDOW];
+        // Rounding of the place may reach the step that begins just above the value.
+        let mut at = usize::from(cutpoint).saturating_sub(1);
+        loop {
+            // All are compared, because a processor could not predict which one is the last.
+            let below: usize = row[at + 1..][..WINDOW].iter().map(|end| usize::from(*end <= value)).sum();
+            at += below;
+            if below < WINDOW {
+                return at.min(self.count - 1);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Random;
+
+    /// Even, crowded and equal borders, and values at them, between them and beyond them.
+    #[test]
+    fn the_interval_is_that_of_a_search_of_all() {
+        let mut random = Random(5);
+        let heights = |i: usize| -libm::cos(std::f64::consts::PI * i as f64 / 37.0);
+        let crowded = |power: f64| (0..=1000).map(move |i| libm::pow(f64::from(i) / 1000.0, power)).collect();
+        let equal = vec![0.0, 0.25, 0.25, 0.25, 0.9, 1.0, 1.0];
+        let kinds: [Vec<Vec<f64>>; 4] = [
+            vec![(0..38).map(heights).collect()],
+            vec![crowded(9.0), crowded(0.2)],
+            vec![equal],
+            vec![vec![0.0, 1.0]],
+        ];
+        for rows in kinds {
+            let borders = Borders::new(rows.clone());
+            for (row, ends) in rows.iter().enumerate() {
+                let (first, last) = (ends[0], ends[ends.len() - 1]);
+                let inner = ends.iter().flat_map(|end| [end.next_down(), *end, end.next_up()]);
+                let anywhere: Vec<f64> =
+                    (0..10_000).map(|_| first + random.unit() * (last - first)).collect();
+                for value in inner.chain(anywhere).chain([-9.0, 9.0]) {
+                    let all = ends.partition_point(|end| *end <= value).clamp(1, ends.len() - 1) - 1;
+                    assert_eq!(borders.find(row, value), all, "{value:e}");
+                }
+                assert!(borders.find(row, f64::NAN) < ends.len() - 1);
+            }
+        }
+    }
+}
