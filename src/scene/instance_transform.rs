@@ -46,6 +46,10 @@ impl InstanceTransform {
         }
     }
 
+    pub fn vector_to_object(&self, vector: DVec3) -> DVec3 {
+        self.back * vector
+    }
+
     #[inline(always)]
     pub fn traversal_ray_to_object(&self, ray: &TraversalRay) -> TraversalRay {
         let LaneRay { origin, direction } = self.ray_to_object(&LaneRay::from(&ray.ray));

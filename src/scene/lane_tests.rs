@@ -123,7 +123,10 @@ fn meet<F: Real>(primitive: &Primitive, ray: &PreparedRay<F>, within: RayInterva
     let met = |lane: usize| {
         let is = |bits: u32| bits >> lane & 1 == 1;
         RayResult {
-            hit: is(is_hit).then(|| ShapeHit { t: t[lane], part: parts[lane], coincident: is(coincident) }),
+            hit: is(is_hit).then(|| {
+                let hit = ShapeHit::of_part(t[lane], parts[lane]);
+                ShapeHit { coincident: is(coincident), ..hit }
+            }),
             is_blocked: is(blocked),
             surface: surfaces[lane],
             passed: passed[lane],

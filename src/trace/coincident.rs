@@ -11,7 +11,7 @@ use super::medium::{MediaLists, Passage};
 use super::spawn::spawn_ray;
 use crate::appearance::material::Material;
 use crate::base::math::{DVec3, Ray};
-use crate::geometry::bvh::TraversalRay;
+use crate::geometry::bvh::{CLEARANCE, TraversalRay};
 use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::{RayInterval, Shape, Surface};
 use crate::scene::top_level::Hit;
@@ -43,6 +43,9 @@ impl Event {
 
 /// Stands for the absence of an event.
 pub const NO_EVENT: u32 = 0;
+
+/// Stands for the absence of an event at an [isolated](crate::geometry::shape::ShapeHit::isolated) hit.
+pub const ISOLATED: u32 = u32::MAX;
 
 /// The events of a wave.
 #[derive(Debug, Default)]
@@ -124,6 +127,19 @@ impl TraceContext<'_> {
     /// Whether a primitive needs the test [`Self::grazes_an_edge`]: only meshes and solids do.
     pub fn may_graze(&self, primitive: u32) -> bool {
         matches!(self.scene.geometry.primitives[primitive as usize].shape, Shape::Mesh(_) | Shape::Solid(_))
+    }
+
+    /// Whether the spawn origins on both sides of an isolated hit are so near to it that no other part of the mesh lies
+    /// between them. Then the ray [passes no edge](Self::grazes_an_edge). The hit itself is not farther from them than they
+    /// are from each other, as they are moved past the error of its point.
+    pub fn is_clear(&self, primitive: u32, [from, to]: [DVec3; 2]) -> bool {
+        let primitive = &self.scene.geometry.primitives[primitive as usize];
+        let Shape::Mesh(mesh) = &primitive.shape else { return false };
+        let across = match &primitive.transform {
+            None => to - from,
+            Some(transform) => transform.vector_to_object(to - from),
+        };
+        across.length() * mesh.mesh.tree().space().scale < CLEARANCE
     }
 
     /// Whether a ray passes a mesh or a solid at a sharp edge, so that it is on the same side of the surface before and

@@ -21,7 +21,7 @@ pub struct SurfaceInteraction<F: Real> {
     pub material: F::U32,
     /// The width of the path's ray cone.
     pub width: F,
-    /// The event, if surfaces coincide.
+    /// The event, if surfaces coincide; [`ISOLATED`](super::coincident::ISOLATED) or [`NO_EVENT`] otherwise.
     pub event: F::U32,
 }
 

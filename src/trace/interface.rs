@@ -1,7 +1,7 @@
 //! The media on the two sides of refracting surfaces.
 
 use super::bsdf::Boundary;
-use super::coincident::Events;
+use super::coincident::{Events, ISOLATED};
 use super::context::TraceContext;
 use super::interaction::SurfaceInteraction;
 use super::medium::{Enclosure, MediaLists, Passage};
@@ -55,7 +55,10 @@ impl<F: Real> Interface<F> {
                         }
                         if let Some((from, to, out)) = &spawned {
                             let origins = [from[lane], to[lane]];
-                            grazes = context.grazes_an_edge(of.primitive, origins, out[lane], enters);
+                            let clear =
+                                events_of[lane] == ISOLATED && context.is_clear(of.primitive, origins);
+                            grazes =
+                                !clear && context.grazes_an_edge(of.primitive, origins, out[lane], enters);
                         }
                     }
                     media.pass(inside[lane], Passage { of, enters, grazes }, all)

@@ -1,6 +1,6 @@
 //! The intersect stage: finds the hits of a wave's paths and sorts the paths into queues.
 
-use super::coincident::{Events, NO_EVENT};
+use super::coincident::{Events, ISOLATED, NO_EVENT};
 use super::context::{Queue, TraceContext};
 use super::medium::MediaLists;
 use super::path_queue::{PathQueue, Ranks};
@@ -20,7 +20,7 @@ pub struct HitStream {
     pub part: Vec<u32>,
     /// The index of the material or light.
     pub material: Vec<u32>,
-    /// The event, if surfaces coincide.
+    /// The event, if surfaces coincide; [`ISOLATED`] or [`NO_EVENT`] otherwise.
     pub event: Vec<u32>,
     /// Paths with other hits close to theirs.
     close: Vec<u32>,
@@ -132,12 +132,21 @@ impl HitStream {
         self.event[index] = number;
     }
 
-    /// Takes the hits of some of the paths from `first` on.
+    /// Notes which hits of some of the paths from `first` on are close to others, and which ones are isolated.
     #[inline(always)]
-    fn take<L: Level>(&mut self, first: usize, wanted: u32, found: &LaneHits<L::F64>) {
+    fn note<L: Level>(&mut self, first: usize, wanted: u32, found: &LaneHits<L::F64>) {
         for lane in lanes(found.at.coincident.bits() & wanted) {
             self.close.push((first + lane) as u32);
         }
+        for lane in lanes(found.at.isolated.bits() & wanted) {
+            self.event[first + lane] = ISOLATED;
+        }
+    }
+
+    /// Takes the hits of some of the paths from `first` on.
+    #[inline(always)]
+    fn take<L: Level>(&mut self, first: usize, wanted: u32, found: &LaneHits<L::F64>) {
+        self.note::<L>(first, wanted, found);
         let (t, part) = (found.at.t.to_array(), found.at.part.to_array());
         let primitive = found.primitive.to_array();
         for lane in lanes(wanted) {
@@ -154,6 +163,7 @@ impl HitStream {
             t: F::gather(&self.t, at),
             part: F::U32::gather(&self.part, at),
             coincident: F::Mask::splat(false),
+            isolated: F::Mask::splat(false),
         }
     }
 }
@@ -209,9 +219,7 @@ impl SimdKernel for Intersect<'_> {
             let wanted = kind;
             let found = first_tree.intersect::<L>(geometry, &ray, within, mask, coherence, &mut stacks);
             if wanted == 0xff >> (8 - count) {
-                for lane in lanes(found.at.coincident.bits() & wanted) {
-                    hits.close.push((first + lane) as u32);
-                }
+                hits.note::<L>(first, wanted, &found);
                 found.at.t.store(&mut hits.t, first);
                 found.at.part.store(&mut hits.part, first);
                 found.primitive.store(&mut hits.primitive, first);

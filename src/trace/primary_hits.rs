@@ -77,7 +77,7 @@ impl PrimaryHits {
                 let (primitive, part) = (found.primitive[place], found.part[place]);
                 if primitive != NOTHING {
                     let ray = camera.pixel_ray(center, size);
-                    let at = ShapeHit { t: found.t[place], part, coincident: false };
+                    let at = ShapeHit::of_part(found.t[place], part);
                     let surface = scene.geometry.primitives[primitive as usize].surface_at(&ray, at);
                     let normal = surface.normal.as_vec3().to_array();
                     *hit = PrimaryHit { point: ray.at(at.t), normal, primitive };

@@ -4,7 +4,7 @@
 //! surfaces in one place all count.
 
 use super::bsdf::{passed_by_coat, passed_through};
-use super::coincident::{Events, NO_EVENT};
+use super::coincident::{Events, ISOLATED, NO_EVENT};
 use super::context::{Queue, TraceContext};
 use super::interaction::SurfaceInteraction;
 use super::interface::Interface;
@@ -133,6 +133,9 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
         for lane in lanes(wanted) {
             (next.t[lane], next.part[lane], next.primitive[lane]) = (t[lane], part[lane], primitive[lane]);
         }
+        for lane in lanes(found.at.isolated.bits() & wanted) {
+            next.event[lane] = ISOLATED;
+        }
         let coincident = found.at.coincident.bits() & wanted;
         if coincident != 0 {
             self.resolve(coincident, next);
@@ -211,7 +214,8 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
             refracts |= u32::from(set.has(LobeSet::REFRACTION)) << lane;
         }
         let none = L::Mask::splat(false);
-        let at = LaneHit { t: L::F64::load(&next.t, 0), part: L::U32::load(&next.part, 0), coincident: none };
+        let (t, part) = (L::F64::load(&next.t, 0), L::U32::load(&next.part, 0));
+        let at = LaneHit { t, part, coincident: none, isolated: none };
         let (primitive, material) = (L::U32::load(&next.primitive, 0), L::U32::load(&next.material, 0));
         let (ray, zero) = (&self.ray.ray, L::F64::splat(0.0));
         let hit = (at, primitive, material);

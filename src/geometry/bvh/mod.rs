@@ -17,7 +17,7 @@ pub use build::{LeafBox, Refitter, fetch_ahead};
 pub use bundle::{BundleStack, BundleVisitor, BundleWork, NodeRef};
 pub use bundle_slabs::BundleSlabs;
 pub use leaf_primitives::LeafPrimitives;
-pub use slabs::Slabs;
+pub use slabs::{CLEARANCE, Slabs};
 pub use traversal::{LeafVisitor, Stack};
 pub use traversal_ray::TraversalRay;
 pub use tree::Tree;

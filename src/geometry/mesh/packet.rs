@@ -164,6 +164,13 @@ impl ShearedRay {
         EdgeTest { edges, depths: [az, bz, cz], extent: last - first, near, far, live, inside }
     }
 
+    /// Bounds of the depths of the triangles, with a margin for the rounding of a depth that is compared with them.
+    #[inline(always)]
+    pub fn depths<S: Single<Array = [f32; 8]>>(&self, edge_test: &EdgeTest<S>) -> [[f32; 8]; 2] {
+        let margin = S::splat(self.margin);
+        [(edge_test.near - margin).to_array(), (edge_test.far + margin).to_array()]
+    }
+
     /// Classifies the triangles by their depths.
     #[inline(always)]
     pub fn classify<S: Single>(&self, edge_test: &EdgeTest<S>, limit: f32) -> Classification<S> {

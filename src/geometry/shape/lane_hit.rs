@@ -13,11 +13,13 @@ pub struct LaneHit<F: Real> {
     pub part: F::U32,
     /// Lanes in which another hit is so near that the order is uncertain.
     pub coincident: F::Mask,
+    /// Lanes in which no other part of a mesh is near: see [`ShapeHit::isolated`].
+    pub isolated: F::Mask,
 }
 
 impl From<ShapeHit> for LaneHit<f64> {
-    fn from(ShapeHit { t, part, coincident }: ShapeHit) -> Self {
-        Self { t, part, coincident }
+    fn from(ShapeHit { t, part, coincident, isolated }: ShapeHit) -> Self {
+        Self { t, part, coincident, isolated }
     }
 }
 
@@ -26,31 +28,36 @@ impl<F: Real> LaneHit<F> {
     #[inline(always)]
     pub fn splat(at: Option<ShapeHit>) -> Self {
         match at {
-            Some(ShapeHit { t, part, coincident }) => {
-                Self { t: F::splat(t), part: F::U32::splat(part), coincident: F::Mask::splat(coincident) }
-            }
+            Some(ShapeHit { t, part, coincident, isolated }) => Self {
+                t: F::splat(t),
+                part: F::U32::splat(part),
+                coincident: F::Mask::splat(coincident),
+                isolated: F::Mask::splat(isolated),
+            },
             None => Self::none(),
         }
     }
 
     #[inline(always)]
     pub fn none() -> Self {
-        Self { t: F::splat(f64::INFINITY), part: F::U32::splat(0), coincident: F::Mask::splat(false) }
+        let no = F::Mask::splat(false);
+        Self { t: F::splat(f64::INFINITY), part: F::U32::splat(0), coincident: no, isolated: no }
     }
 
     /// The hits of single rays, one per lane.
     #[inline(always)]
     pub fn from_lanes(hits: &[Option<ShapeHit>; 8]) -> Self {
         let (mut t, mut part) = (F::splat(f64::INFINITY).to_array(), F::U32::splat(0).to_array());
-        let mut coincident = 0;
+        let (mut coincident, mut isolated) = (0, 0);
         for lane in 0..F::LANES {
             if let Some(at) = hits[lane] {
                 (t[lane], part[lane]) = (at.t, at.part);
                 coincident |= u32::from(at.coincident) << lane;
+                isolated |= u32::from(at.isolated) << lane;
             }
         }
         let (t, part) = (F::from_array(t), F::U32::from_array(part));
-        Self { t, part, coincident: F::Mask::from_bits(coincident) }
+        Self { t, part, coincident: F::Mask::from_bits(coincident), isolated: F::Mask::from_bits(isolated) }
     }
 
     /// Hits at t in the lanes of a mask, if they are within bounds.
@@ -64,8 +71,13 @@ impl<F: Real> LaneHit<F> {
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Option<ShapeHit> {
         let t = self.t.to_array()[lane];
-        let (part, coincident) = (self.part.to_array()[lane], self.coincident.bits() >> lane & 1 == 1);
-        (t < f64::INFINITY).then_some(ShapeHit { t, part, coincident })
+        let (coincident, isolated) = (self.coincident.bits() >> lane & 1, self.isolated.bits() >> lane & 1);
+        (t < f64::INFINITY).then_some(ShapeHit {
+            t,
+            part: self.part.to_array()[lane],
+            coincident: coincident == 1,
+            isolated: isolated == 1,
+        })
     }
 
     /// The lanes with a hit.
@@ -82,6 +94,7 @@ impl<F: Real> Select<F::Mask> for LaneHit<F> {
             t: F::select(mask, yes.t, no.t),
             part: F::U32::select(mask, yes.part, no.part),
             coincident: yes.coincident & mask | no.coincident & !mask,
+            isolated: yes.isolated & mask | no.isolated & !mask,
         }
     }
 }

@@ -26,8 +26,8 @@ impl NearestPart {
     /// Records a hit before the limit if it is closer, or equally close with a lower index. A part in several leaves does
     /// not coincide with itself.
     #[inline(always)]
-    pub fn consider(&mut self, t: f64, part: u32) {
-        let at = ShapeHit::of_part(t, part);
+    pub fn consider(&mut self, at: ShapeHit) {
+        let ShapeHit { t, part, .. } = at;
         self.hit = Some(match self.hit {
             None => at,
             Some(best) if part == best.part => best,

@@ -3,13 +3,24 @@
 use crate::base::math::DVec3;
 
 /// A hit of a ray with a shape.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct ShapeHit {
     pub t: f64,
     /// The part of the shape, in the shape's own numbering: a triangle of a mesh, a cap.
     pub part: u32,
     /// Whether another hit is so near that the order is uncertain (see [`CoincidenceRange`](super::CoincidenceRange)).
     pub coincident: bool,
+    /// Whether no other part of a mesh lies within [`CLEARANCE`](crate::geometry::bvh::CLEARANCE) of the hit, in the
+    /// space of its tree. False if a search does not show that.
+    pub isolated: bool,
+}
+
+/// Hits are equal wherever they were found: whether a search shows that one is isolated does not count.
+impl PartialEq for ShapeHit {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { t, part, coincident, isolated: _ } = other;
+        self.t == *t && self.part == *part && self.coincident == *coincident
+    }
 }
 
 impl ShapeHit {
@@ -19,7 +30,7 @@ impl ShapeHit {
     }
 
     pub fn of_part(t: f64, part: u32) -> Self {
-        Self { t, part, coincident: false }
+        Self { t, part, coincident: false, isolated: false }
     }
 }
 

@@ -31,6 +31,7 @@ impl<F: Real> LaneHits<F> {
             primitives: [NOTHING; 8],
             parts: [0; 8],
             coincident: self.at.coincident.bits(),
+            isolated: self.at.isolated.bits(),
         };
         for lane in 0..F::LANES {
             (rows.primitives[lane], rows.parts[lane]) = (primitives[lane], parts[lane]);
@@ -47,6 +48,8 @@ pub struct StoredHits {
     pub parts: [u32; 8],
     /// A bit for each hit that another one may coincide with.
     pub coincident: u32,
+    /// A bit for each hit near which its mesh has no other part.
+    pub isolated: u32,
 }
 
 impl StoredHits {
@@ -57,6 +60,7 @@ impl StoredHits {
                 t: F::load(&self.t, 0),
                 part: F::U32::load(&self.parts, 0),
                 coincident: F::Mask::from_bits(self.coincident),
+                isolated: F::Mask::from_bits(self.isolated),
             },
             primitive: F::U32::load(&self.primitives, 0),
         }
@@ -65,8 +69,8 @@ impl StoredHits {
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Option<Hit> {
         let (t, part, primitive) = (self.t[lane], self.parts[lane], self.primitives[lane]);
-        let coincident = self.coincident >> lane & 1 == 1;
-        (primitive != NOTHING).then_some(Hit { at: ShapeHit { t, part, coincident }, primitive })
+        let (coincident, isolated) = (self.coincident >> lane & 1 == 1, self.isolated >> lane & 1 == 1);
+        (primitive != NOTHING).then_some(Hit { at: ShapeHit { t, part, coincident, isolated }, primitive })
     }
 
     #[inline(always)]
@@ -74,6 +78,7 @@ impl StoredHits {
         if let Some(Hit { at, primitive }) = hit {
             (self.t[lane], self.parts[lane], self.primitives[lane]) = (at.t, at.part, primitive);
             self.coincident = self.coincident & !(1 << lane) | u32::from(at.coincident) << lane;
+            self.isolated = self.isolated & !(1 << lane) | u32::from(at.isolated) << lane;
         }
     }
 }
@@ -141,6 +146,7 @@ impl<'a, F: Real> LaneClosestHit<'a, F> {
         let better = at.t.lt(best.at.t) | (at.t.eq(best.at.t) & at.is_hit() & index.lt(best.primitive));
         let close = at.is_hit() & best.at.t.le(self.coincidence_range.end(at.t));
         best.at.coincident = close | (best.at.coincident & !better) | (at.coincident & better);
+        best.at.isolated = (best.at.isolated & !better) | (at.isolated & better);
         best.at.t = F::select(better, at.t, best.at.t);
         best.at.part = F::U32::select(better, at.part, best.at.part);
         best.primitive = F::U32::select(better, index, best.primitive);

@@ -55,7 +55,7 @@ pub(super) struct StoredMeshHits {
 
 impl StoredMeshHits {
     #[inline(always)]
-    fn set(&mut self, ray: usize, ShapeHit { t, part, coincident }: ShapeHit) {
+    fn set(&mut self, ray: usize, ShapeHit { t, part, coincident, .. }: ShapeHit) {
         (self.t[ray], self.parts[ray]) = (t, part);
         self.coincident = self.coincident & !(1 << ray) | u32::from(coincident) << ray;
     }
@@ -150,7 +150,7 @@ impl<L: Level, const ANY: bool> BundleVisitor<L> for BundleWalk<'_, L, ANY> {
             let coincident = hit & !part.eq(best.part) & best.t.le(self.coincidence_range.end(at.t));
             best.coincident = best.coincident | coincident;
             if nearer.any() {
-                self.take(nearer, LaneHit { t: at.t, part, coincident });
+                self.take(nearer, LaneHit { t: at.t, part, coincident, isolated: L::Mask::splat(false) });
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Triangle meshes as shapes, searched by a tree of their own.
 
 mod bundle;
+mod encounters;
 mod geometric;
 mod handle;
 mod search;

@@ -1,17 +1,33 @@
 //! Searches a mesh along a single ray.
 
 use super::Mesh;
+use super::encounters::Encounters;
 use crate::base::lanes::{Level, Row, lanes};
-use crate::geometry::bvh::{Slabs, Tree};
+#[cfg(doc)]
+use crate::geometry::bvh::CLEARANCE;
+use crate::geometry::bvh::{Slabs, TraversalRay, Tree};
 use crate::geometry::mesh::{Packet, ShearedRay};
 use crate::geometry::shape::nearest_part::NearestPart;
 use crate::geometry::shape::part_search::{AnyPart, EveryPart, PartSearch, PartedShape};
 use crate::geometry::shape::triangle::{TriangleLanes, covers};
 use crate::geometry::shape::{PreparedRay, ShapeHit};
 
+/// What the leaves of a search share.
+pub struct Prepared {
+    sheared: ShearedRay,
+    encounters: Encounters,
+}
+
+impl Prepared {
+    #[inline(always)]
+    fn new(ray: &TraversalRay, slabs: &Slabs) -> Self {
+        Self { sheared: ShearedRay::new(ray, slabs), encounters: Encounters::new() }
+    }
+}
+
 impl PartedShape for Mesh {
     type Packet = Packet;
-    type Prepared = ShearedRay;
+    type Prepared = Prepared;
 
     #[inline(always)]
     fn tree(&self) -> &Tree {
@@ -24,6 +40,10 @@ impl PartedShape for Mesh {
     }
 
     /// Certain hits of the filter are not tested again; only their t is computed.
+    ///
+    /// A certain hit is isolated if the ray's line meets no other triangle where that may reach the depth of the hit. For
+    /// the filter's error is far above [`CLEARANCE`]: the line meets any triangle that lies so near to one of its points,
+    /// and so do the boxes around it.
     #[inline(always)]
     fn nearest_in<L: Level>(
         search: &mut PartSearch<Self, NearestPart>,
@@ -33,17 +53,21 @@ impl PartedShape for Mesh {
     ) -> f32 {
         let (mesh, ray, within) = (&search.shape.mesh, search.ray, search.kept.within);
         let packet = &mesh.packets()[leaf as usize];
-        let sheared = search.prepared.get_or_insert_with(|| ShearedRay::new(ray, slabs));
-        let classes = sheared.classify(&sheared.test_edges::<L::F32>(packet, limit), limit);
+        let Prepared { sheared, encounters } =
+            search.prepared.get_or_insert_with(|| Prepared::new(ray, slabs));
+        let edge_test = sheared.test_edges::<L::F32>(packet, limit);
+        let classes = sheared.classify(&edge_test, limit);
         let mut candidates = classes.hit | classes.unsure;
         if candidates == 0 {
             return limit;
         }
         let (near, prepared) = (classes.near.to_array(), PreparedRay::<f64>::splat(ray));
+        let depths = sheared.depths(&edge_test);
         while candidates != 0 {
             let lane = candidates.trailing_zeros() as usize & 7;
             let sure = classes.hit >> lane & 1 == 1;
             candidates &= candidates - 1;
+            encounters.add(depths.map(|end| end[lane]), packet.part(lane));
             if sure && near[lane] > limit {
                 continue;
             }
@@ -53,8 +77,11 @@ impl PartedShape for Mesh {
                 continue;
             }
             let Some(at) = triangle.crossing(&prepared, &sheared, true, within).one() else { continue };
-            search.kept.consider(at.t, packet.part(lane));
+            search.kept.consider(ShapeHit { isolated: sure, ..ShapeHit::of_part(at.t, packet.part(lane)) });
             limit = slabs.limit(search.kept.limit());
+        }
+        if let Some(at) = &mut search.kept.hit {
+            at.isolated &= encounters.isolate(at.part, slabs.limit(at.t));
         }
         limit
     }
@@ -68,7 +95,7 @@ impl PartedShape for Mesh {
     ) -> bool {
         let (mesh, ray, within) = (&search.shape.mesh, search.ray, search.kept.within);
         let packet = &mesh.packets()[leaf as usize];
-        let sheared = search.prepared.get_or_insert_with(|| ShearedRay::new(ray, slabs));
+        let Prepared { sheared, .. } = search.prepared.get_or_insert_with(|| Prepared::new(ray, slabs));
         let edge_test = sheared.test_edges::<L::F32>(packet, limit);
         // The filter's certain results assume t = 0 as the start.
         let from_start = within.min == 0.0;
@@ -101,7 +128,7 @@ impl PartedShape for Mesh {
     fn every_in<L: Level>(search: &mut PartSearch<Self, EveryPart>, leaf: u32, slabs: &Slabs, limit: f32) {
         let (mesh, ray) = (&search.shape.mesh, search.ray);
         let packet = &mesh.packets()[leaf as usize];
-        let sheared = search.prepared.get_or_insert_with(|| ShearedRay::new(ray, slabs));
+        let Prepared { sheared, .. } = search.prepared.get_or_insert_with(|| Prepared::new(ray, slabs));
         let classes = sheared.classify(&sheared.test_edges::<L::F32>(packet, limit), limit);
         let candidates = classes.hit | classes.unsure;
         if candidates == 0 {

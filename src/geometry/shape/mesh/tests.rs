@@ -5,7 +5,7 @@ use crate::base::color::Rgb;
 use crate::base::lanes::tests::on_all_levels;
 use crate::base::lanes::{Level, Mask, Row, SimdKernel, dispatch};
 use crate::base::math::{DVec2, DVec3, Ray};
-use crate::geometry::bvh::TraversalRay;
+use crate::geometry::bvh::{CLEARANCE, TraversalRay};
 use crate::geometry::mesh::{self, Corners, MeshData, Normals, generate};
 use crate::geometry::shape::part_search::every_part;
 use crate::geometry::shape::{Geometric, LaneHit, OneRay, RayInterval, ShapeHit, Surface, Triangle};
@@ -103,6 +103,76 @@ fn short_segments_find_all_triangles_that_they_cross() {
         }
     }
     assert!(shared > 1000, "{shared}");
+}
+
+/// Two parallel squares with this gap between them.
+fn sheets(gap: f64) -> MeshData {
+    let corners = [0.0, gap]
+        .map(|z| [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, z)));
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    MeshData { positions: corners.concat(), triangles, ..MeshData::default() }
+}
+
+/// Segments through isolated hits, in any direction and as long as these must be clear, cross no other triangle. Hits of
+/// sheets so close to each other, and of edges, are not isolated; nearly all others are.
+#[test]
+fn isolated_hits_have_no_other_triangle_nearby() {
+    let kinds = [
+        (generate::displaced_sphere(3, 7), 0.9..1.0),
+        (sheets(1e-3), 0.9..1.0),
+        (sheets(1e-9), 0.0..0.01),
+        (sheets(1e-12), 0.0..0.01),
+        (sheets(1e-15), 0.0..0.01),
+        (sheets(0.0), 0.0..0.01),
+    ];
+    let mut random = Random(6);
+    for (data, expected) in kinds {
+        let mesh = shape(data, Normals::Flat);
+        let reach = CLEARANCE * mesh.mesh.tree().space().size;
+        let (mut hits, mut isolated) = (0.0, 0.0);
+        for _ in 0..3000 {
+            let origin = random.point(3.0);
+            let ray = TraversalRay::new(Ray { origin, direction: random.point(1.0) - origin });
+            let found = on_all_levels(|| mesh.intersect_one(&ray, RayInterval::up_to(f64::INFINITY)));
+            let flags: Vec<bool> = found.iter().filter_map(|(_, hit)| Some((*hit)?.isolated)).collect();
+            let Some((_, Some(hit))) = found.into_iter().next() else { continue };
+            assert!(flags.iter().all(|flag| *flag == hit.isolated), "{flags:?}");
+            hits += 1.0;
+            if !hit.isolated {
+                continue;
+            }
+            isolated += 1.0;
+            let at = ray.ray.at(hit.t);
+            for _ in 0..4 {
+                let way = random.direction();
+                let across = TraversalRay::new(Ray { origin: at - way * reach, direction: way });
+                let all = crossed(&mesh, &across, 2.0 * reach);
+                assert!(all.iter().all(|other| other.part == hit.part), "{hit:?} {all:?}");
+            }
+        }
+        assert!(hits > 100.0 && expected.contains(&(isolated / hits)), "{isolated} of {hits}, {expected:?}");
+    }
+}
+
+/// Rays along an edge between two faces, and within the error of one, hit nothing that is isolated.
+#[test]
+fn hits_of_edges_are_not_isolated() {
+    let mesh = shape(generate::displaced_sphere(2, 3), Normals::Flat);
+    let (mut random, mut hits) = (Random(8), 0);
+    for part in 0..mesh.mesh.triangles().len() as u32 {
+        let [a, b, _] = mesh.mesh.corners(part);
+        for _ in 0..4 {
+            let point = a + (b - a) * random.unit();
+            let origin = point * 3.0 + random.point(0.1);
+            let ray = TraversalRay::new(Ray { origin, direction: point - origin });
+            let hit = mesh.intersect_one(&ray, RayInterval::up_to(f64::INFINITY));
+            if let Some(hit) = hit.filter(|hit| (hit.t - 1.0).abs() < 1e-9) {
+                hits += 1;
+                assert!(!hit.isolated, "{hit:?}");
+            }
+        }
+    }
+    assert!(hits > 500, "{hits}");
 }
 
 /// From nearby, and from far away, where rays start near the tree instead; behind a minimum of t.
@@ -261,6 +331,7 @@ impl SimdKernel for Eight<'_> {
             t: L::F64::from_array(at.map(|at| at.t)),
             part: L::U32::from_array(at.map(|at| at.part)),
             coincident: L::Mask::splat(false),
+            isolated: L::Mask::splat(false),
         };
         mesh.surface(&eight_rays::<L>(rays), at, 0.0).store()
     }

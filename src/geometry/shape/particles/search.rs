@@ -36,7 +36,7 @@ impl PartedShape for Particles {
         let (hit, t) = (at.is_hit().bits(), at.t.to_array());
         for lane in lanes(hit & ((1 << packet.count()) - 1)) {
             if t[lane] < nearest.limit() {
-                nearest.consider(t[lane], packet.part(lane));
+                nearest.consider(ShapeHit::of_part(t[lane], packet.part(lane)));
             }
         }
         slabs.limit(nearest.limit())
