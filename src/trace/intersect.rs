@@ -33,13 +33,16 @@ pub struct HitStream {
 }
 
 impl HitStream {
-    pub fn new(classes: usize) -> Self {
-        Self { surfaces: vec![PathQueue::default(); classes], ..Self::default() }
+    pub fn new(classes: usize, refracts: bool) -> Self {
+        let mut stream = Self::default();
+        stream.fit(classes, refracts);
+        stream
     }
 
-    /// Prepares for scenes with this number of sets of lobes.
-    pub fn fit(&mut self, classes: usize) {
+    /// Prepares for scenes with this number of sets of lobes. Only refraction needs to know which hits are isolated.
+    pub fn fit(&mut self, classes: usize, refracts: bool) {
         self.surfaces.resize(classes, PathQueue::default());
+        self.stacks.isolate(refracts);
     }
 
     fn reset(&mut self, count: usize) {

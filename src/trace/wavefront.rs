@@ -65,13 +65,15 @@ impl ScratchBuffer {
     pub fn new(context: &TraceContext) -> Self {
         let rows = [Lobes::default(); 8];
         let requests = context.lights.requests().iter();
+        let mut shadow_stacks = Stacks::default();
+        shadow_stacks.isolate(context.columns.media);
         Self {
             free: Vec::new(),
-            hits: HitStream::new(context.classes.len()),
+            hits: HitStream::new(context.classes.len(), context.columns.media),
             events: Events::default(),
             media: MediaLists::default(),
             shadows: requests.map(|_| ShadowStream::new(context.has_transparency(), context.media)).collect(),
-            shadow_stacks: Stacks::default(),
+            shadow_stacks,
             rows: LobeTable::new(rows.iter()),
             samples: PixelSamples::with_capacity(WAVE),
             places: Vec::with_capacity(WAVE),
@@ -88,7 +90,8 @@ impl ScratchBuffer {
     pub fn fit(&mut self, context: &TraceContext) {
         let shadows = || ShadowStream::new(context.has_transparency(), context.media);
         self.free.retain(|paths| paths.columns() == context.columns);
-        self.hits.fit(context.classes.len());
+        self.hits.fit(context.classes.len(), context.columns.media);
+        self.shadow_stacks.isolate(context.columns.media);
         self.media.clear();
         self.shadows.retain(|stream| stream.is_like(&shadows()));
         self.shadows.resize_with(context.lights.requests().len(), shadows);

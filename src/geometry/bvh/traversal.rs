@@ -76,7 +76,7 @@ impl<V: LeafVisitor> SimdKernel for Traversal<'_, V> {
 
     #[inline(always)]
     fn run<L: Level>(self) -> Option<f32> {
-        let Self { tree, slabs, leaves, mut limit, from, stack: Stack(entries) } = self;
+        let Self { tree, slabs, leaves, mut limit, from, stack: Stack { entries, .. } } = self;
         let wide = WideSlabs::<L::F32>::new(slabs);
         let (mut top, mut at) = (0, from);
         loop {
@@ -159,12 +159,17 @@ impl Entered {
 /// Capacity of the stack. Where a deeper tree needs more, the subtree is traversed by recursion.
 const STACK: usize = 64;
 
-/// Memory for the postponed children of a walk. Its content before and after a walk has no meaning.
-pub struct Stack([Entered; STACK]);
+/// Memory for the postponed children of a walk, whose content before and after a walk has no meaning, and what searches
+/// with it shall find out.
+pub struct Stack {
+    entries: [Entered; STACK],
+    /// Whether they shall show which hits of meshes are isolated. Only refraction needs to know.
+    pub isolates: bool,
+}
 
 impl Default for Stack {
     fn default() -> Self {
-        Self([Entered(0); STACK])
+        Self { entries: [Entered(0); STACK], isolates: false }
     }
 }
 

@@ -9,12 +9,14 @@ pub struct NearestPart {
     pub within: RayInterval<f64>,
     pub coincidence_range: CoincidenceRange<f64>,
     pub hit: Option<ShapeHit>,
+    /// Whether to find out if the hit is isolated.
+    pub isolates: bool,
 }
 
 impl NearestPart {
     #[inline(always)]
     pub fn new(within: RayInterval<f64>, coincidence_range: CoincidenceRange<f64>) -> Self {
-        Self { within, coincidence_range, hit: None }
+        Self { within, coincidence_range, hit: None, isolates: false }
     }
 
     /// The t beyond which hits do not count.

@@ -88,8 +88,9 @@ pub fn nearest_part_on<L: Level>(
     within: RayInterval<f64>,
     stack: Option<&mut Stack>,
 ) -> Option<ShapeHit> {
-    let (search, mut own) = (PartSearch::nearest(shape, ray, within), None);
+    let (mut search, mut own) = (PartSearch::nearest(shape, ray, within), None);
     let stack = stack.unwrap_or_else(|| own.insert(Stack::default()));
+    search.kept.isolates = stack.isolates;
     L::Narrow::call(Walk { search, span: [within.min, within.max], stack }).hit
 }
 

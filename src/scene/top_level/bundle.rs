@@ -74,7 +74,13 @@ impl<L: Level, const ALONE: usize> ClosestHitWalk<'_, '_, L, ALONE> {
         let [min, max] = self.nearest.bounds();
         let within = RayInterval { min: min[ray], max: max[ray] };
         let mut rows = self.nearest.hits.store();
-        let mut one = ClosestHit::new(self.bvh, self.geometry, single, within, rows.lane(ray));
+        let mut one = ClosestHit::new(
+            self.bvh,
+            self.geometry,
+            single,
+            within,
+            (rows.lane(ray), self.apart.as_deref_mut()),
+        );
         walk(&mut one);
         let hit = one.found.hit;
         let mut limits = store_lanes(self.nearest.limit);

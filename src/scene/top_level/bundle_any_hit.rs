@@ -167,7 +167,9 @@ impl<L: Level, const ALONE: usize> AnyHitWalk<'_, '_, L, ALONE> {
         let within = RayInterval { min: min[ray], max: max[ray] };
         let dimmed = self.shadow.dimmed.bits() >> ray & 1 == 1;
         let transmissive = self.shadow.transmissive;
-        let mut any = AnyHit { bvh, geometry, ray: single, within, transmissive, blocked: false, dimmed };
+        let parts = self.apart.as_deref_mut();
+        let mut any =
+            AnyHit { bvh, geometry, ray: single, within, transmissive, blocked: false, dimmed, parts };
         walk(&mut any);
         let bit = 1 << ray;
         if any.dimmed {

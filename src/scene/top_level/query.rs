@@ -24,8 +24,17 @@ pub enum Coherence {
 #[derive(Default)]
 pub struct Stacks {
     single: Stack,
+    /// For the trees of shapes in the leaves.
+    parts: Stack,
     bundle: BundleStack,
     grouping: Grouping,
+}
+
+impl Stacks {
+    /// Prepares for searches that shall, or need not, show which hits of meshes are isolated.
+    pub fn isolate(&mut self, isolates: bool) {
+        self.parts.isolates = isolates;
+    }
 }
 
 #[warn(missing_docs)]
@@ -47,19 +56,19 @@ impl Bvh {
         if self.tree.is_empty() && self.meshes.is_empty() {
             return nearest.hits;
         }
-        let Stacks { single, bundle, grouping } = stacks;
-        let mut apart = (coherence == Coherence::Incoherent).then_some(single);
+        let Stacks { single, parts, bundle, grouping } = stacks;
+        let mut apart = (coherence == Coherence::Incoherent).then_some(parts);
         nearest.test(geometry, &self.meshes, apart.as_deref_mut());
         if self.tree.is_empty() {
             return nearest.hits;
         }
-        let Some(single) = apart else {
+        let Some(parts) = apart else {
             self.intersect_in_bundle::<L>(geometry, &mut nearest, (bundle, None));
             return nearest.hits;
         };
         if self.tree.is_small() || grouping.together() {
             bundle.work = BundleWork::default();
-            self.intersect_in_bundle::<L>(geometry, &mut nearest, (bundle, Some(single)));
+            self.intersect_in_bundle::<L>(geometry, &mut nearest, (bundle, Some(parts)));
             grouping.add(bundle.work);
             return nearest.hits;
         }
@@ -69,7 +78,8 @@ impl Bvh {
         for lane in lanes(wanted.bits()) {
             let ray = TraversalRay::new(rays.one(lane));
             let span = RayInterval { min: within[0][lane], max: within[1][lane] };
-            let hit = self.intersect_on::<L::Narrow>(geometry, &ray, span, hits.lane(lane), single);
+            let stacks = (&mut *single, &mut *parts);
+            let hit = self.intersect_on::<L::Narrow>(geometry, &ray, span, hits.lane(lane), stacks);
             hits.set_lane(lane, hit);
         }
         hits.load()
@@ -92,19 +102,19 @@ impl Bvh {
         if (self.tree.is_empty() && self.meshes.is_empty()) || !found.open().any() {
             return found.occlusion();
         }
-        let Stacks { single, bundle, grouping } = stacks;
-        let mut apart = (coherence == Coherence::Incoherent).then_some(single);
+        let Stacks { single, parts, bundle, grouping } = stacks;
+        let mut apart = (coherence == Coherence::Incoherent).then_some(parts);
         found.test(geometry, &self.meshes, found.open(), apart.as_deref_mut());
         if self.tree.is_empty() || !found.open().any() {
             return found.occlusion();
         }
-        let Some(single) = apart else {
+        let Some(parts) = apart else {
             self.occlusion_in_bundle::<L>(geometry, &mut found, (bundle, None));
             return found.occlusion();
         };
         if self.tree.is_small() || grouping.together() {
             bundle.work = BundleWork::default();
-            self.occlusion_in_bundle::<L>(geometry, &mut found, (bundle, Some(single)));
+            self.occlusion_in_bundle::<L>(geometry, &mut found, (bundle, Some(parts)));
             grouping.add(bundle.work);
             return found.occlusion();
         }
@@ -115,7 +125,7 @@ impl Bvh {
             let ray = TraversalRay::new(rays.one(lane));
             let span = RayInterval { min: bounds[0][lane], max: bounds[1][lane] };
             let [blocked, dimmed] =
-                self.occlusion_on::<L::Narrow>(geometry, &ray, span, transmissive, single);
+                self.occlusion_on::<L::Narrow>(geometry, &ray, span, transmissive, (single, parts));
             bits[0] |= u32::from(blocked) << lane;
             bits[1] |= u32::from(dimmed) << lane;
         }

@@ -30,7 +30,7 @@ impl Bvh {
         dispatch_narrow(Closest { bvh: self, geometry, ray, within })
     }
 
-    /// The closest hit among `found` and the tree.
+    /// The closest hit among `found` and the tree. The second stack is for the trees of shapes.
     #[inline(always)]
     pub(super) fn intersect_on<L: Level>(
         &self,
@@ -38,9 +38,9 @@ impl Bvh {
         ray: &TraversalRay,
         within: RayInterval<f64>,
         found: Option<Hit>,
-        stack: &mut Stack,
+        (stack, parts): (&mut Stack, &mut Stack),
     ) -> Option<Hit> {
-        L::call(ClosestOn { bvh: self, geometry, ray, within, found, stack })
+        L::call(ClosestOn { bvh: self, geometry, ray, within, found, stack, parts })
     }
 
     /// Whether a primitive in the tree blocks a ray, and whether a transmissive one dims it.
@@ -51,9 +51,9 @@ impl Bvh {
         ray: &TraversalRay,
         within: RayInterval<f64>,
         transmissive: Option<TransmissiveFlags>,
-        stack: &mut Stack,
+        (stack, parts): (&mut Stack, &mut Stack),
     ) -> [bool; 2] {
-        L::call(OccludedOn { bvh: self, geometry, ray, within, transmissive, stack })
+        L::call(OccludedOn { bvh: self, geometry, ray, within, transmissive, stack, parts })
     }
 
     /// The range of t within which hits along a ray may coincide.
@@ -81,6 +81,7 @@ struct ClosestOn<'a> {
     within: RayInterval<f64>,
     found: Option<Hit>,
     stack: &'a mut Stack,
+    parts: &'a mut Stack,
 }
 
 impl SimdKernel for ClosestOn<'_> {
@@ -88,8 +89,8 @@ impl SimdKernel for ClosestOn<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) -> Option<Hit> {
-        let Self { bvh, geometry, ray, within, found, stack } = self;
-        let mut nearest = ClosestHit::new(bvh, geometry, ray, within, found);
+        let Self { bvh, geometry, ray, within, found, stack, parts } = self;
+        let mut nearest = ClosestHit::new(bvh, geometry, ray, within, (found, Some(parts)));
         bvh.tree.walk_on::<L>(ray, [within.min, nearest.limit()], &mut nearest, stack);
         nearest.found.hit
     }
@@ -102,6 +103,7 @@ struct OccludedOn<'a> {
     within: RayInterval<f64>,
     transmissive: Option<TransmissiveFlags<'a>>,
     stack: &'a mut Stack,
+    parts: &'a mut Stack,
 }
 
 impl SimdKernel for OccludedOn<'_> {
@@ -109,8 +111,9 @@ impl SimdKernel for OccludedOn<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) -> [bool; 2] {
-        let Self { bvh, geometry, ray, within, transmissive, stack } = self;
-        let mut any = AnyHit { bvh, geometry, ray, within, transmissive, blocked: false, dimmed: false };
+        let Self { bvh, geometry, ray, within, transmissive, stack, parts } = self;
+        let (blocked, dimmed, parts) = (false, false, Some(parts));
+        let mut any = AnyHit { bvh, geometry, ray, within, transmissive, blocked, dimmed, parts };
         bvh.tree.walk_on::<L>(ray, [within.min, within.max], &mut any, stack);
         [any.blocked, any.dimmed]
     }
@@ -129,11 +132,12 @@ impl SimdKernel for Closest<'_> {
     #[inline(always)]
     fn run<L: Level>(self) -> Option<Hit> {
         let Self { bvh, geometry, ray, within } = self;
-        let mut stack = Stack::default();
-        let mut direct = ClosestHit::new(bvh, geometry, ray, within, None);
-        direct.test::<L>(&bvh.direct, Some(&mut stack));
-        direct.test::<L>(&bvh.meshes, Some(&mut stack));
-        bvh.intersect_on::<L>(geometry, ray, within, direct.found.hit, &mut stack)
+        let (mut stack, mut parts) = (Stack::default(), Stack::default());
+        let mut direct = ClosestHit::new(bvh, geometry, ray, within, (None, Some(&mut parts)));
+        direct.test::<L>(&bvh.direct);
+        direct.test::<L>(&bvh.meshes);
+        let found = direct.found.hit;
+        bvh.intersect_on::<L>(geometry, ray, within, found, (&mut stack, &mut parts))
     }
 }
 
@@ -150,14 +154,14 @@ impl SimdKernel for Occluded<'_> {
     #[inline(always)]
     fn run<L: Level>(self) -> bool {
         let Self { bvh, geometry, ray, within } = self;
-        let mut stack = Stack::default();
+        let (mut stack, mut parts) = (Stack::default(), Stack::default());
         let outside = bvh.direct.iter().chain(&bvh.meshes);
         for primitive in outside.map(|index| &geometry.primitives[*index as usize]) {
-            if primitive.occludes_on::<L>(ray, within, Some(&mut stack)) {
+            if primitive.occludes_on::<L>(ray, within, Some(&mut parts)) {
                 return true;
             }
         }
-        let [blocked, _] = bvh.occlusion_on::<L>(geometry, ray, within, None, &mut stack);
+        let [blocked, _] = bvh.occlusion_on::<L>(geometry, ray, within, None, (&mut stack, &mut parts));
         blocked
     }
 }
@@ -169,6 +173,8 @@ pub(super) struct ClosestHit<'a> {
     ray: &'a TraversalRay,
     pub within: RayInterval<f64>,
     pub found: BestHit,
+    /// For the trees of shapes. Without it, each search creates its own.
+    parts: Option<&'a mut Stack>,
 }
 
 impl<'a> ClosestHit<'a> {
@@ -178,7 +184,7 @@ impl<'a> ClosestHit<'a> {
         geometry: &'a Geometry,
         ray: &'a TraversalRay,
         within: RayInterval<f64>,
-        hit: Option<Hit>,
+        (hit, parts): (Option<Hit>, Option<&'a mut Stack>),
     ) -> Self {
         Self {
             bvh,
@@ -186,6 +192,7 @@ impl<'a> ClosestHit<'a> {
             ray,
             within,
             found: BestHit { hit, coincidence_range: bvh.coincidence_range(ray) },
+            parts,
         }
     }
 
@@ -196,8 +203,8 @@ impl<'a> ClosestHit<'a> {
 
     /// Tests the primitives of these indices.
     #[inline(always)]
-    fn test<L: Level>(&mut self, indices: &[u32], stack: Option<&mut Stack>) {
-        L::call(Test { leaves: self, indices, stack });
+    fn test<L: Level>(&mut self, indices: &[u32]) {
+        L::call(Test { leaves: self, indices });
     }
 }
 
@@ -207,7 +214,7 @@ impl LeafVisitor for ClosestHit<'_> {
 
     #[inline(always)]
     fn visit<L: Level>(&mut self, leaf: u32, slabs: &Slabs, _: f32) -> Option<f32> {
-        self.test::<L>(self.bvh.leaves.leaf(leaf), None);
+        self.test::<L>(self.bvh.leaves.leaf(leaf));
         Some(slabs.limit(self.limit()))
     }
 }
@@ -221,21 +228,22 @@ pub(super) struct AnyHit<'a> {
     pub transmissive: Option<TransmissiveFlags<'a>>,
     pub blocked: bool,
     pub dimmed: bool,
+    /// For the trees of shapes. Without it, each search creates its own.
+    pub parts: Option<&'a mut Stack>,
 }
 
 impl AnyHit<'_> {
     /// Tests the primitives of these indices until one blocks the ray.
     #[inline(always)]
-    fn test<L: Level>(&mut self, indices: &[u32], stack: Option<&mut Stack>) {
-        L::call(Test { leaves: self, indices, stack });
+    fn test<L: Level>(&mut self, indices: &[u32]) {
+        L::call(Test { leaves: self, indices });
     }
 }
 
-/// Tests of primitives along a ray. Without a stack, meshes create their own, as few leaves hold meshes.
+/// Tests of primitives along a ray.
 struct Test<'a, V> {
     leaves: &'a mut V,
     indices: &'a [u32],
-    stack: Option<&'a mut Stack>,
 }
 
 impl SimdKernel for Test<'_, ClosestHit<'_>> {
@@ -243,11 +251,11 @@ impl SimdKernel for Test<'_, ClosestHit<'_>> {
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { leaves: nearest, indices, mut stack } = self;
+        let Self { leaves: nearest, indices } = self;
         for &index in indices {
             let within = RayInterval { min: nearest.within.min, max: nearest.limit() };
             let primitive = &nearest.geometry.primitives[index as usize];
-            if let Some(at) = primitive.intersect_on::<L>(nearest.ray, within, stack.as_deref_mut()) {
+            if let Some(at) = primitive.intersect_on::<L>(nearest.ray, within, nearest.parts.as_deref_mut()) {
                 nearest.found.consider(at, index);
             }
         }
@@ -259,14 +267,14 @@ impl SimdKernel for Test<'_, AnyHit<'_>> {
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { leaves: any, indices, mut stack } = self;
+        let Self { leaves: any, indices } = self;
         for &index in indices {
             let passes = is_transmissive(any.transmissive, index);
             if passes && any.dimmed {
                 continue;
             }
             let primitive = &any.geometry.primitives[index as usize];
-            if primitive.occludes_on::<L>(any.ray, any.within, stack.as_deref_mut()) {
+            if primitive.occludes_on::<L>(any.ray, any.within, any.parts.as_deref_mut()) {
                 match passes {
                     true => any.dimmed = true,
                     false => return any.blocked = true,
@@ -282,7 +290,7 @@ impl LeafVisitor for AnyHit<'_> {
 
     #[inline(always)]
     fn visit<L: Level>(&mut self, leaf: u32, _: &Slabs, limit: f32) -> Option<f32> {
-        self.test::<L>(self.bvh.leaves.leaf(leaf), None);
+        self.test::<L>(self.bvh.leaves.leaf(leaf));
         (!self.blocked).then_some(limit)
     }
 }

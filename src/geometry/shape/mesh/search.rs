@@ -62,12 +62,15 @@ impl PartedShape for Mesh {
             return limit;
         }
         let (near, prepared) = (classes.near.to_array(), PreparedRay::<f64>::splat(ray));
-        let depths = sheared.depths(&edge_test);
+        // No closure: it would be compiled without the level's instructions.
+        let depths = if search.kept.isolates { Some(sheared.depths(&edge_test)) } else { None };
         while candidates != 0 {
             let lane = candidates.trailing_zeros() as usize & 7;
             let sure = classes.hit >> lane & 1 == 1;
             candidates &= candidates - 1;
-            encounters.add(depths.map(|end| end[lane]), packet.part(lane));
+            if let Some([near, far]) = &depths {
+                encounters.add([near[lane], far[lane]], packet.part(lane));
+            }
             if sure && near[lane] > limit {
                 continue;
             }
@@ -77,10 +80,13 @@ impl PartedShape for Mesh {
                 continue;
             }
             let Some(at) = triangle.crossing(&prepared, &sheared, true, within).one() else { continue };
-            search.kept.consider(ShapeHit { isolated: sure, ..ShapeHit::of_part(at.t, packet.part(lane)) });
+            let isolated = sure && depths.is_some();
+            search.kept.consider(ShapeHit { isolated, ..ShapeHit::of_part(at.t, packet.part(lane)) });
             limit = slabs.limit(search.kept.limit());
         }
-        if let Some(at) = &mut search.kept.hit {
+        if depths.is_some()
+            && let Some(at) = &mut search.kept.hit
+        {
             at.isolated &= encounters.isolate(at.part, slabs.limit(at.t));
         }
         limit
