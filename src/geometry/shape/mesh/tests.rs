@@ -105,7 +105,7 @@ fn short_segments_find_all_triangles_that_they_cross() {
     assert!(shared > 1000, "{shared}");
 }
 
-/// Two parallel squares with this gap between them.
+/// Two parallel squares of side 2 with this gap between them.
 fn sheets(gap: f64) -> MeshData {
     let corners = [0.0, gap]
         .map(|z| [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, z)));
@@ -132,12 +132,13 @@ fn isolating(mesh: &Mesh, ray: &TraversalRay) -> Option<ShapeHit> {
 }
 
 /// Segments through isolated hits, in any direction and as long as these must be clear, cross no other triangle. Hits of
-/// sheets so close to each other, and of edges, are not isolated; nearly all others are.
+/// sheets so close to each other, and of edges, are not isolated; nearly all others of a sphere are.
 #[test]
 fn isolated_hits_have_no_other_triangle_nearby() {
     let kinds = [
-        (generate::displaced_sphere(3, 7), 0.4..1.0),
-        (sheets(1e-3), 0.9..1.0),
+        (generate::displaced_sphere(3, 7), 0.9..1.0),
+        // Farther apart than they are wide: otherwise, the line of an oblique ray leaves it open.
+        (sheets(5.0), 0.5..1.0),
         (sheets(1e-9), 0.0..0.01),
         (sheets(1e-12), 0.0..0.01),
         (sheets(1e-15), 0.0..0.01),
@@ -168,7 +169,10 @@ fn isolated_hits_have_no_other_triangle_nearby() {
                 assert!(all.iter().all(|other| other.part == hit.part), "{hit:?} {all:?}");
             }
         }
-        assert!(hits > 100.0 && expected.contains(&(isolated / hits)), "{isolated} of {hits}, {expected:?}");
+        assert!(
+            hits > 100.0 && expected.contains(&(isolated / hits)),
+            "{isolated} of {hits}: not {expected:?}"
+        );
     }
 }
 

@@ -96,10 +96,16 @@ impl FilmForecast {
     pub const NOTHING: Self =
         Self { took: ElapsedTime::ZERO, samples: 0.0, camera: 0.0, rays: 0.0, error: None, missed: false };
 
-    /// The forecast if only a share of the paths is traced, because other films share the rest.
-    pub(super) fn traced(self, share: f64) -> Self {
+    /// The forecast if only a share of the paths is traced, because other films share the rest. `rays` are those of all
+    /// kinds that are left, for each path of the whole film, if they are known: paths that are traced again meet what moves,
+    /// and may have more rays than others.
+    pub(super) fn traced(self, share: f64, rays: Option<f64>) -> Self {
+        let work = match rays {
+            Some(rays) if self.rays > 0.0 => rays * self.camera / self.rays,
+            _ => share,
+        };
         let Self { took, camera, rays, .. } = self;
-        Self { took: took * share, camera: camera * share, rays: rays * share, ..self }
+        Self { took: took * work, camera: camera * share, rays: rays * work, ..self }
     }
 
     /// Interpolates linearly between two films.

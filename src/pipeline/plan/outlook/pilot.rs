@@ -6,7 +6,7 @@ use super::run_forecast::Outlook;
 use crate::base::clock::{ElapsedTime, TimeSource, timed};
 use crate::base::color::Rgb;
 use crate::film::{AovSet, denoise};
-use crate::pipeline::plan::path_shares::{ShareTrials, path_shares};
+use crate::pipeline::plan::path_shares::{PathShares, ShareTrials, path_shares};
 use crate::pipeline::plan::ray_estimate::PilotBudget;
 use crate::pipeline::plan::render_plan::Plan;
 use crate::pipeline::plan::shared_films::SharedFilm;
@@ -95,14 +95,14 @@ pub fn run_pilot(
         filters: Vec::new(),
     };
     let few = ProbeBudget { blocks: BLOCKS * rayon::current_num_threads(), seconds: 0.0 };
-    let outlook = |mut pilots: Vec<PilotFilm>, shares: &[f64], spent: ElapsedTime| {
+    let outlook = |mut pilots: Vec<PilotFilm>, shares: &PathShares, spent: ElapsedTime| {
         pilots.sort_by_key(|pilot| pilot.place);
         same_power(&mut pilots);
-        Outlook { pilots, random: random.clone(), shares: shares.to_vec(), spent }
+        Outlook { pilots, random: random.clone(), shares: shares.clone(), spent }
     };
     // What shared views save is known without tracing.
-    let known = path_shares(sequence, plan, ShareTrials::of_samples(0)).films;
-    let expected = |pilots: &[PilotFilm], shares: &[f64], spent| {
+    let known = path_shares(sequence, plan, ShareTrials::of_samples(0));
+    let expected = |pilots: &[PilotFilm], shares: &PathShares, spent| {
         outlook(pilots.to_vec(), shares, spent).wall(&sequence.quality)
     };
     let mut pilots: Vec<PilotFilm> = Vec::new();
@@ -118,7 +118,7 @@ pub fn run_pilot(
         pilots.extend(run.film(place, few));
     }
     let trials = affordable(&pilots, 0.5 * limit.share * expected(&pilots, &known, run.spent));
-    let (shares, took) = timed(|| path_shares(sequence, plan, trials).films);
+    let (shares, took) = timed(|| path_shares(sequence, plan, trials));
     run.spent = run.spent + clock.elapsed(took, 0);
     // The less a pilot has seen, the less it knows how long the run takes, and how long it may take itself. One that is
     // shorter than what was before would add no information, and grids have nothing to add after the first one.

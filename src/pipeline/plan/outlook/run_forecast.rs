@@ -3,6 +3,7 @@
 use super::film::{FilmForecast, PilotFilm, Uncertainty};
 use super::range::Range;
 use crate::base::clock::ElapsedTime;
+use crate::pipeline::plan::path_shares::PathShares;
 use crate::sequence::quality::{MAX_SAMPLES, NoiseTarget, Quality};
 
 /// The pilot's measurements of a plan.
@@ -12,8 +13,8 @@ pub struct Outlook {
     pub(super) pilots: Vec<PilotFilm>,
     /// Whether the samples of each film are random.
     pub(super) random: Vec<bool>,
-    /// The share of each film's paths that are traced for it; above 1 if it takes samples of other frames.
-    pub(super) shares: Vec<f64>,
+    /// What is traced for each film.
+    pub(super) shares: PathShares,
     /// Time that the pilot took.
     pub spent: ElapsedTime,
 }
@@ -111,10 +112,11 @@ impl Outlook {
             alike.map(|pilot| (pilot.place, pilot.forecast(quality, uncertainty))).collect()
         };
         let known = [of(false), of(true)];
-        let film = |(place, (&random, &share)): (usize, (&bool, &f64))| {
-            between(&known[usize::from(random)], place).traced(share)
+        let film = |(place, &random): (usize, &bool)| {
+            let PathShares { films, rays, .. } = &self.shares;
+            between(&known[usize::from(random)], place).traced(films[place], rays[place])
         };
-        self.random.iter().zip(&self.shares).enumerate().map(film).collect()
+        self.random.iter().enumerate().map(film).collect()
     }
 }
 
@@ -151,6 +153,18 @@ mod tests {
         let wall = [0, 2, 3, 5, 6, 9].map(|place| between(&known, place).took.wall);
         assert_eq!(wall, [1.0, 1.0, 2.0, 4.0, 5.0, 5.0]);
         assert_eq!(between(&[], 3), FilmForecast::NOTHING);
+    }
+
+    #[test]
+    fn shared_paths_take_the_time_of_their_rays() {
+        let film = FilmForecast { camera: 100.0, rays: 400.0, ..took(2.0) };
+        let traced = |share, rays| {
+            let FilmForecast { took, camera, rays, .. } = film.traced(share, rays);
+            (took.wall, camera, rays)
+        };
+        assert_eq!(traced(0.25, None), (0.5, 25.0, 100.0));
+        assert_eq!(traced(0.25, Some(2.0)), (1.0, 25.0, 200.0), "half of the four rays per path");
+        assert_eq!(FilmForecast::NOTHING.traced(0.5, Some(2.0)), FilmForecast::NOTHING);
     }
 
     #[test]
