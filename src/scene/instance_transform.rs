@@ -46,8 +46,11 @@ impl InstanceTransform {
         }
     }
 
-    pub fn vector_to_object(&self, vector: DVec3) -> DVec3 {
-        self.back * vector
+    /// A bound of the factor by which vectors grow on their way into the shape's space: the Frobenius norm of the
+    /// matrix.
+    pub fn most_growth_to_object(&self) -> f64 {
+        let [x, y, z] = [self.back.x_axis, self.back.y_axis, self.back.z_axis].map(DVec3::length_squared);
+        (x + y + z).sqrt()
     }
 
     #[inline(always)]

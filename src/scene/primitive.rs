@@ -5,7 +5,7 @@ use crate::appearance::material::MaterialBinding;
 use crate::base::digest::Content;
 use crate::base::lanes::{Level, Mask, Real, Select, Vec3, out_of_line};
 use crate::base::math::{Aabb, DAffine3, DMat3, DVec3, LaneRay, Ray, inverse};
-use crate::geometry::bvh::{Stack, TraversalRay};
+use crate::geometry::bvh::{CLEARANCE, Stack, TraversalRay};
 use crate::geometry::ray_kinds::{RayKind, RayKinds};
 use crate::geometry::shape::{
     LaneHit, LaneSurface, PreparedRay, RayInterval, Shape, ShapeHit, Surface, TriangleLanes,
@@ -56,8 +56,8 @@ impl Primitive {
         Some(primitive)
     }
 
-    /// Replaces the primitive by a shape transformed by `to_world`, whose inverse for directions is `back`. Returns whether
-    /// it differs.
+    /// Replaces the primitive by a shape transformed by `to_world`, whose inverse for directions is `back`. Returns
+    /// whether it differs.
     pub(super) fn replace(
         &mut self,
         shape: &Shape,
@@ -268,6 +268,14 @@ impl Primitive {
         }
         let moved = TriangleLanes { corners }.clear_of_edges(surface).point;
         LaneSurface { point: Vec3::select(is_triangle, moved, surface.point), ..surface }
+    }
+
+    /// The length in the world below which a segment through an [isolated](ShapeHit::isolated) hit crosses no other
+    /// part; 0 if no hit is isolated.
+    pub fn clearance(&self) -> f64 {
+        let Shape::Mesh(mesh) = &self.shape else { return 0.0 };
+        let own = CLEARANCE * mesh.mesh.tree().space().size;
+        self.transform.as_ref().map_or(own, |transform| own / transform.most_growth_to_object())
     }
 
     /// Samples points that `from` may see. Returns the points, their parts and their densities per steradian at

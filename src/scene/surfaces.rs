@@ -25,6 +25,8 @@ pub struct SurfaceTable {
     normals: [Vec<f64>; 3],
     /// Radii of spheres.
     radii: Vec<f64>,
+    /// [`Primitive::clearance`] of all primitives.
+    clearances: Vec<f64>,
 }
 
 impl SurfaceTable {
@@ -33,10 +35,12 @@ impl SurfaceTable {
         self.kinds.resize(slots, Kind::Other);
         self.anchors.iter_mut().chain(&mut self.normals).for_each(|column| column.resize(slots, 0.0));
         self.radii.resize(slots, 0.0);
+        self.clearances.resize(slots, 0.0);
     }
 
     /// Sets the surface of a slot.
     pub fn set(&mut self, slot: usize, primitive: &Primitive) {
+        self.clearances[slot] = primitive.clearance();
         let flat = match (&primitive.shape, &primitive.transform) {
             (Shape::Sphere(sphere), None) => {
                 put(&mut self.anchors, slot, sphere.center);
@@ -67,6 +71,17 @@ impl Geometry {
         wanted: F::Mask,
     ) -> LaneSurface<F> {
         surfaces(self, ray, at, primitives, wanted)
+    }
+
+    /// The [clearances](Primitive::clearance) of primitives, in the lanes of a mask; those of others mean nothing.
+    #[inline(always)]
+    pub fn clearances<F: Real>(&self, primitives: F::U32, wanted: F::Mask) -> F {
+        let slots = F::U32::select(wanted, primitives, F::U32::splat(0)).to_array();
+        let mut clearances = F::splat(0.0).to_array();
+        for lane in 0..F::LANES {
+            clearances[lane] = self.surfaces.clearances[slots[lane] as usize];
+        }
+        F::from_array(clearances)
     }
 }
 

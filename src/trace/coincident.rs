@@ -11,7 +11,7 @@ use super::medium::{MediaLists, Passage};
 use super::spawn::spawn_ray;
 use crate::appearance::material::Material;
 use crate::base::math::{DVec3, Ray};
-use crate::geometry::bvh::{CLEARANCE, TraversalRay};
+use crate::geometry::bvh::TraversalRay;
 use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::{RayInterval, Shape, Surface};
 use crate::scene::top_level::Hit;
@@ -129,28 +129,15 @@ impl TraceContext<'_> {
         matches!(self.scene.geometry.primitives[primitive as usize].shape, Shape::Mesh(_) | Shape::Solid(_))
     }
 
-    /// Whether the spawn origins on both sides of an isolated hit are so near to it that no other part of the mesh lies
-    /// between them. Then the ray [passes no edge](Self::grazes_an_edge). The hit itself is not farther from them than they
-    /// are from each other, as they are moved past the error of its point.
-    pub fn is_clear(&self, primitive: u32, [from, to]: [DVec3; 2]) -> bool {
-        let primitive = &self.scene.geometry.primitives[primitive as usize];
-        let Shape::Mesh(mesh) = &primitive.shape else { return false };
-        let across = match &primitive.transform {
-            None => to - from,
-            Some(transform) => transform.vector_to_object(to - from),
-        };
-        across.length() * mesh.mesh.tree().space().scale < CLEARANCE
-    }
-
     /// Whether a ray passes a mesh or a solid at a sharp edge, so that it is on the same side of the surface before and
-    /// behind. There, the error bound of the point may reach through the other face. The test casts a ray from the spawn
-    /// origin on the side of the normal `out` to the one on the other side. It must cross at least one face, and all
-    /// faces in the direction of the passage.
+    /// behind. There, the error bound of the point may reach through the other face. The test casts a ray from the
+    /// spawn origin on the side of the normal `out` to the one on the other side. It must cross at least one face, and
+    /// all faces in the direction of the passage.
     #[inline(never)]
     pub fn grazes_an_edge(&self, primitive: u32, [from, to]: [DVec3; 2], out: DVec3, enters: bool) -> bool {
         let primitive = &self.scene.geometry.primitives[primitive as usize];
-        // On a face through the origin, both origins may be neighbours of zero, about 1e-323 apart. With a direction of that
-        // length, the t of other hits of the shape would overflow, so the direction is scaled, by a power of two.
+        // On a face through the origin, both origins may be neighbours of zero, about 1e-323 apart. With a direction of
+        // that length, the t of other hits of the shape would overflow, so the direction is scaled, by a power of two.
         let exponent = libm::ilogb((to - from).abs().max_element()).clamp(-1074, 1023);
         let direction = (to - from).map(|v| libm::scalbn(v, -exponent));
         let across = Ray { origin: from, direction };

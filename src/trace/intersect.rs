@@ -42,7 +42,7 @@ impl HitStream {
     /// Prepares for scenes with this number of sets of lobes. Only refraction needs to know which hits are isolated.
     pub fn fit(&mut self, classes: usize, refracts: bool) {
         self.surfaces.resize(classes, PathQueue::default());
-        self.stacks.isolate(refracts);
+        self.stacks.find_isolated(refracts);
     }
 
     fn reset(&mut self, count: usize) {

@@ -133,6 +133,7 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
         for lane in lanes(wanted) {
             (next.t[lane], next.part[lane], next.primitive[lane]) = (t[lane], part[lane], primitive[lane]);
         }
+        // It stays so if no other surface turns out to coincide: only the parts of the hit's own mesh matter.
         for lane in lanes(found.at.isolated.bits() & wanted) {
             next.event[lane] = ISOLATED;
         }

@@ -66,10 +66,10 @@ impl ScratchBuffer {
         let rows = [Lobes::default(); 8];
         let requests = context.lights.requests().iter();
         let mut shadow_stacks = Stacks::default();
-        shadow_stacks.isolate(context.columns.media);
+        shadow_stacks.find_isolated(context.media && context.refractive_shadows);
         Self {
             free: Vec::new(),
-            hits: HitStream::new(context.classes.len(), context.columns.media),
+            hits: HitStream::new(context.classes.len(), context.media),
             events: Events::default(),
             media: MediaLists::default(),
             shadows: requests.map(|_| ShadowStream::new(context.has_transparency(), context.media)).collect(),
@@ -90,8 +90,8 @@ impl ScratchBuffer {
     pub fn fit(&mut self, context: &TraceContext) {
         let shadows = || ShadowStream::new(context.has_transparency(), context.media);
         self.free.retain(|paths| paths.columns() == context.columns);
-        self.hits.fit(context.classes.len(), context.columns.media);
-        self.shadow_stacks.isolate(context.columns.media);
+        self.hits.fit(context.classes.len(), context.media);
+        self.shadow_stacks.find_isolated(context.media && context.refractive_shadows);
         self.media.clear();
         self.shadows.retain(|stream| stream.is_like(&shadows()));
         self.shadows.resize_with(context.lights.requests().len(), shadows);

@@ -2,8 +2,8 @@
 
 /// Rows of ascending numbers, the borders of intervals. All rows have equally many, and the same first and last one.
 ///
-/// The way from the first border to the last one is divided into equal steps. A table has the interval in which each step
-/// begins (the cutpoint method: Chen, Asau, *On Generating Random Variates from an Empirical Distribution*, 1974).
+/// The way from the first border to the last one is divided into equal steps. A table has the interval in which each
+/// step begins (the cutpoint method: Chen, Asau, *On Generating Random Variates from an Empirical Distribution*, 1974).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Borders {
     /// Row by row. Each ends with [`WINDOW`] infinite ones.
@@ -19,16 +19,16 @@ pub struct Borders {
     per_range: f64,
 }
 
-/// The borders that are compared at a time. They fill a cache line.
+/// The borders that are compared at a time: as many as a cache line holds.
 const WINDOW: usize = 8;
 
-/// Intervals per step. With fewer, the table of large skies would not fit into a core's cache. With more, the borders of
-/// many steps would not fit into a window.
+/// Intervals per step. With fewer, the table of large skies would not fit into a core's cache. With more, the borders
+/// of many steps would not fit into a window.
 const PER_STEP: usize = 4;
 
 impl Borders {
-    /// Borders from rows, whose first numbers are all equal, and whose last ones are, too. At least two numbers, at most
-    /// 2^16.
+    /// Borders from rows, whose first numbers are all equal, and whose last ones are, too. At least two numbers, at
+    /// most 2^16.
     pub fn new(rows: impl IntoIterator<Item = Vec<f64>>) -> Self {
         let mut rows = rows.into_iter().peekable();
         let ends = rows.peek().map_or(&[0.0, 1.0][..], |row| row);
@@ -36,6 +36,7 @@ impl Borders {
         let steps = (count.next_power_of_two() / PER_STEP).max(1);
         let (mut ends, mut cutpoints) = (Vec::new(), Vec::new());
         for row in rows {
+            debug_assert!(row.len() == count + 1 && row[0] == first && row[count] == last);
             let mut interval = 0;
             cutpoints.extend((0..steps).map(|step| {
                 let begin = first + (last - first) * (step as f64 / steps as f64);
@@ -69,13 +70,16 @@ impl Borders {
         high - low
     }
 
-    /// The interval of a row that holds a value: the first one for values before it, the last one for those behind it.
+    /// The interval of a row that holds a finite value: the first one for values before it, the last one for those
+    /// behind it.
     #[inline(always)]
     pub fn find(&self, row: usize, value: f64) -> usize {
+        debug_assert!(value < f64::INFINITY, "{value} is not before the infinite ones");
         let step = ((value - self.first) * self.per_range * self.steps as f64) as usize;
         let cutpoint = self.cutpoints[row * self.steps + step.min(self.steps - 1)];
         let row = &self.ends[row * (self.count + 1 + WINDOW)..][..self.count + 1 + WINDOW];
-        // Rounding of the place may reach the step that begins just above the value.
+        // Rounding of the place may reach the step that begins just above the value. Then one border at most lies
+        // between them: ends scale exactly if they are from 0 to 1, and others differ.
         let mut at = usize::from(cutpoint).saturating_sub(1);
         loop {
             // All are compared, because a processor could not predict which one is the last.
@@ -97,11 +101,15 @@ mod tests {
     #[test]
     fn the_interval_is_that_of_a_search_of_all() {
         let mut random = Random(5);
-        let heights = |i: usize| -libm::cos(std::f64::consts::PI * i as f64 / 37.0);
+        let heights = |count: u32| -> Vec<f64> {
+            let height = |i: u32| -libm::cos(std::f64::consts::PI * f64::from(i) / f64::from(count));
+            (0..=count).map(height).collect()
+        };
         let crowded = |power: f64| (0..=1000).map(move |i| libm::pow(f64::from(i) / 1000.0, power)).collect();
         let equal = vec![0.0, 0.25, 0.25, 0.25, 0.9, 1.0, 1.0];
-        let kinds: [Vec<Vec<f64>>; 4] = [
-            vec![(0..38).map(heights).collect()],
+        let kinds: [Vec<Vec<f64>>; 5] = [
+            vec![heights(37)],
+            vec![heights(512)],
             vec![crowded(9.0), crowded(0.2)],
             vec![equal],
             vec![vec![0.0, 1.0]],

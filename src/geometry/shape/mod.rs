@@ -190,7 +190,7 @@ impl Shape {
         }
     }
 
-    /// [`Shape::intersect`] of shapes with trees, for rays that go different ways: one is searched after the other.
+    /// [`Shape::intersect`] for rays that go different ways: shapes with trees are searched along one after the other.
     #[inline(always)]
     pub fn intersect_apart<F: Real>(
         &self,
@@ -201,11 +201,11 @@ impl Shape {
         match self {
             Self::Mesh(mesh) => nearest_part_of_each(mesh, ray, within, stack),
             Self::Particles(particles) => nearest_part_of_each(particles, ray, within, stack),
-            _ => LaneHit::none(),
+            _ => self.intersect(&PreparedRay::new(*ray), within),
         }
     }
 
-    /// [`Shape::occludes`] of shapes with trees, for rays that go different ways.
+    /// [`Shape::occludes`], as in [`Shape::intersect_apart`].
     #[inline(always)]
     pub fn occludes_apart<F: Real>(
         &self,
@@ -216,12 +216,13 @@ impl Shape {
         match self {
             Self::Mesh(mesh) => any_part_of_each(mesh, ray, within, stack),
             Self::Particles(particles) => any_part_of_each(particles, ray, within, stack),
-            _ => F::Mask::splat(false),
+            _ => self.occludes(&PreparedRay::new(*ray), within),
         }
     }
 
     /// Passes all hits of one ray within bounds to `take`. The ray keeps its origin and only the minimum of t grows, so
-    /// each hit is found, however close hits are. A triangle in several leaves of its tree may be passed for each of them.
+    /// each hit is found, however close hits are. A triangle in several leaves of its tree may be passed for each of
+    /// them.
     pub fn each_crossing(
         &self,
         ray: &TraversalRay,

@@ -25,8 +25,8 @@ impl NearestPart {
         self.hit.map_or(self.within.max, |best| min(self.within.max, self.coincidence_range.end(best.t)))
     }
 
-    /// Records a hit before the limit if it is closer, or equally close with a lower index. A part in several leaves does
-    /// not coincide with itself.
+    /// Records a hit before the limit if it is closer, or equally close with a lower index. A part in several leaves
+    /// does not coincide with itself.
     #[inline(always)]
     pub fn consider(&mut self, at: ShapeHit) {
         let ShapeHit { t, part, .. } = at;

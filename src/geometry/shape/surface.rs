@@ -3,7 +3,7 @@
 use crate::base::math::DVec3;
 
 /// A hit of a ray with a shape.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeHit {
     pub t: f64,
     /// The part of the shape, in the shape's own numbering: a triangle of a mesh, a cap.
@@ -11,16 +11,8 @@ pub struct ShapeHit {
     /// Whether another hit is so near that the order is uncertain (see [`CoincidenceRange`](super::CoincidenceRange)).
     pub coincident: bool,
     /// Whether no other part of a mesh lies within [`CLEARANCE`](crate::geometry::bvh::CLEARANCE) of the hit, in the
-    /// space of its tree. False if a search does not show that.
+    /// space of its tree. False if the search does not show that, or was not to find out.
     pub isolated: bool,
-}
-
-/// Hits are equal wherever they were found: whether a search shows that one is isolated does not count.
-impl PartialEq for ShapeHit {
-    fn eq(&self, other: &Self) -> bool {
-        let Self { t, part, coincident, isolated: _ } = other;
-        self.t == *t && self.part == *part && self.coincident == *coincident
-    }
 }
 
 impl ShapeHit {

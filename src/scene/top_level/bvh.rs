@@ -68,8 +68,8 @@ fn cost(primitive: &Primitive) -> usize {
     }
 }
 
-/// The cost of testing bounded primitives without a tree. For a single one it counts as 0: the tree would be one leaf, whose
-/// box no node holds.
+/// The cost of testing bounded primitives without a tree. For a single one it counts as 0: the tree would be one leaf,
+/// whose box no node holds.
 fn cost_without_tree<'a>(geometry: &Geometry, bounded: impl Iterator<Item = &'a u32>) -> usize {
     let (mut count, mut sum) = (0, 0);
     for index in bounded {
@@ -83,8 +83,8 @@ fn cost_without_tree<'a>(geometry: &Geometry, bounded: impl Iterator<Item = &'a 
 /// takes much longer, and objects that take turns would need one in every frame.
 const FEW: usize = 5;
 
-/// A tree's space may be larger than that of its boxes by this factor; the coordinates of boxes are coarser by it. Below
-/// 2, a primitive that sways across a power of two would need a build in every frame.
+/// A tree's space may be larger than that of its boxes by this factor; the coordinates of boxes are coarser by it.
+/// Below 2, a primitive that sways across a power of two would need a build in every frame.
 const ROOMIEST: f64 = 4.0;
 
 /// A refitted tree may cost this multiple of the built one. Then it is built again.

@@ -31,8 +31,8 @@ pub struct Stacks {
 }
 
 impl Stacks {
-    /// Prepares for searches that shall, or need not, show which hits of meshes are isolated.
-    pub fn isolate(&mut self, isolates: bool) {
+    /// Sets whether searches shall show which hits of meshes are isolated.
+    pub fn find_isolated(&mut self, isolates: bool) {
         self.parts.isolates = isolates;
     }
 }
@@ -66,10 +66,13 @@ impl Bvh {
             self.intersect_in_bundle::<L>(geometry, &mut nearest, (bundle, None));
             return nearest.hits;
         };
-        if self.tree.is_small() || grouping.together() {
+        let is_small = self.tree.is_small();
+        if is_small || grouping.together() {
             bundle.work = BundleWork::default();
             self.intersect_in_bundle::<L>(geometry, &mut nearest, (bundle, Some(parts)));
-            grouping.add(bundle.work);
+            if !is_small {
+                grouping.add(bundle.work);
+            }
             return nearest.hits;
         }
         let rays = StoredRays::of(ray);
@@ -112,10 +115,13 @@ impl Bvh {
             self.occlusion_in_bundle::<L>(geometry, &mut found, (bundle, None));
             return found.occlusion();
         };
-        if self.tree.is_small() || grouping.together() {
+        let is_small = self.tree.is_small();
+        if is_small || grouping.together() {
             bundle.work = BundleWork::default();
             self.occlusion_in_bundle::<L>(geometry, &mut found, (bundle, Some(parts)));
-            grouping.add(bundle.work);
+            if !is_small {
+                grouping.add(bundle.work);
+            }
             return found.occlusion();
         }
         let rays = StoredRays::of(ray);

@@ -29,7 +29,7 @@ impl Encounters {
 
     /// Whether no other part than this one is at a depth.
     #[inline(always)]
-    pub fn isolate(&self, part: u32, depth: f32) -> bool {
+    pub fn is_isolated(&self, part: u32, depth: f32) -> bool {
         // All places, without a branch: the processor could not predict their number.
         let mut others = self.count > ENCOUNTERS;
         for place in 0..ENCOUNTERS {
@@ -46,14 +46,19 @@ mod tests {
     #[test]
     fn others_at_the_depth_or_too_many_leave_doubt() {
         let mut met = Encounters::new();
-        assert!(met.isolate(7, 1.0));
+        assert!(met.is_isolated(7, 1.0));
         met.add([0.5, 1.5], 7);
         met.add([1.5, 2.0], 8);
         met.add([0.0, 0.5], 9);
-        assert!(met.isolate(7, 1.0) && !met.isolate(7, 0.5) && !met.isolate(7, 1.5) && !met.isolate(8, 1.0));
+        assert!(
+            met.is_isolated(7, 1.0)
+                && !met.is_isolated(7, 0.5)
+                && !met.is_isolated(7, 1.5)
+                && !met.is_isolated(8, 1.0)
+        );
         met.add([5.0, 6.0], 7);
-        assert!(met.isolate(7, 1.0));
+        assert!(met.is_isolated(7, 1.0));
         met.add([5.0, 6.0], 7);
-        assert!(!met.isolate(7, 1.0), "no room for the last one");
+        assert!(!met.is_isolated(7, 1.0), "no room for the last one");
     }
 }

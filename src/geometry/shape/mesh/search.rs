@@ -41,9 +41,9 @@ impl PartedShape for Mesh {
 
     /// Certain hits of the filter are not tested again; only their t is computed.
     ///
-    /// A certain hit is isolated if the ray's line meets no other triangle where that may reach the depth of the hit. For
-    /// the filter's error is far above [`CLEARANCE`]: the line meets any triangle that lies so near to one of its points,
-    /// and so do the boxes around it.
+    /// A certain hit is isolated if no other triangle that the ray's line meets, or may meet, reaches its depth. The
+    /// filter's error is far above [`CLEARANCE`], so it calls no triangle so near to the hit a miss. It leaves out
+    /// triangles before the ray's start and beyond a limit, which never comes before the hit.
     #[inline(always)]
     fn nearest_in<L: Level>(
         search: &mut PartSearch<Self, NearestPart>,
@@ -87,7 +87,7 @@ impl PartedShape for Mesh {
         if depths.is_some()
             && let Some(at) = &mut search.kept.hit
         {
-            at.isolated &= encounters.isolate(at.part, slabs.limit(at.t));
+            at.isolated &= encounters.is_isolated(at.part, slabs.limit(at.t));
         }
         limit
     }

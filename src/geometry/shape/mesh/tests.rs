@@ -131,8 +131,8 @@ fn isolating(mesh: &Mesh, ray: &TraversalRay) -> Option<ShapeHit> {
     dispatch(Isolating(mesh, ray))
 }
 
-/// Segments through isolated hits, in any direction and as long as these must be clear, cross no other triangle. Hits of
-/// sheets so close to each other, and of edges, are not isolated; nearly all others of a sphere are.
+/// Segments through isolated hits, in any direction and as long as these must be clear, cross no other triangle. Hits
+/// of sheets so close to each other, and of edges, are not isolated; nearly all others of a sphere are.
 #[test]
 fn isolated_hits_have_no_other_triangle_nearby() {
     let kinds = [

@@ -97,11 +97,11 @@ impl FilmForecast {
         Self { took: ElapsedTime::ZERO, samples: 0.0, camera: 0.0, rays: 0.0, error: None, missed: false };
 
     /// The forecast if only a share of the paths is traced, because other films share the rest. `rays` are those of all
-    /// kinds that are left, for each path of the whole film, if they are known: paths that are traced again meet what moves,
-    /// and may have more rays than others.
+    /// kinds that are left, for each path of the whole film, if they are known: paths that are traced again meet what
+    /// moves, and may have more rays than others.
     pub(super) fn traced(self, share: f64, rays: Option<f64>) -> Self {
         let work = match rays {
-            Some(rays) if self.rays > 0.0 => rays * self.camera / self.rays,
+            Some(rays) if self.rays > 0.0 => (rays * self.camera / self.rays).min(1.0),
             _ => share,
         };
         let Self { took, camera, rays, .. } = self;
@@ -142,7 +142,8 @@ impl PilotFilm {
                 self.filtered(FilmForecast { error, ..self.with(drawn, drawn, rounds, uncertainty) })
             }
             Some(target) => {
-                // Samples alone, if the first round shows that the denoiser would take longer. Its audits are lost then.
+                // Samples alone, if the first round shows that the denoiser would take longer. Its audits are lost
+                // then.
                 let lost = audits(quality, MIN_SAMPLES.min(target.most));
                 let parts = self.prepare * self.rounds_of_parts(quality);
                 let alone = self.filtered(self.until(noise, (target, lost), uncertainty));
@@ -307,8 +308,8 @@ impl FilmNoise {
 /// How squared errors fall beyond the samples of the pilot. Blocks have few different numbers of samples, so those that
 /// were computed are kept.
 ///
-/// It is also what the sampler still knows of outliers: it gives their block more samples, which seldom meet another one,
-/// and forgets half of what it knew whenever they double.
+/// It is also what the sampler still knows of outliers: it gives their block more samples, which seldom meet another
+/// one, and forgets half of what it knew whenever they double.
 struct DecayTable {
     samples: f64,
     power: f64,
@@ -332,8 +333,8 @@ impl DecayTable {
 }
 
 impl PassEstimates {
-    /// Mixes what the last pass shows, weighted by `part`, with what the passes before it show. Of the outliers, a share
-    /// counts.
+    /// Mixes what the last pass shows, weighted by `part`, with what the passes before it show. Of the outliers, a
+    /// share counts.
     fn at(&self, part: f64, outliers: f64) -> f64 {
         let [regular, all] =
             [self.regular, self.all].map(|[last, before]| part * last + (1.0 - part) * before);

@@ -106,8 +106,8 @@ pub fn run_pilot(
         outlook(pilots.to_vec(), shares, spent).wall(&sequence.quality)
     };
     let mut pilots: Vec<PilotFilm> = Vec::new();
-    // One film of each kind, then others. Where films take long to prepare, few of them must do: half of the time is for
-    // these, half for the paths that they may share.
+    // One film of each kind, then others. Where films take long to prepare, few of them must do: half of the time is
+    // for these, half for the paths that they may share.
     let (firsts, others): (Vec<&[usize]>, Vec<&[usize]>) =
         kinds.iter().map(|kind| kind.split_at(kind.len().min(1))).unzip();
     pilots.extend(firsts.concat().into_iter().filter_map(|place| run.film(place, few)));

@@ -164,6 +164,8 @@ mod tests {
         };
         assert_eq!(traced(0.25, None), (0.5, 25.0, 100.0));
         assert_eq!(traced(0.25, Some(2.0)), (1.0, 25.0, 200.0), "half of the four rays per path");
+        assert_eq!(traced(0.25, Some(5.0)), (2.0, 25.0, 400.0), "no more than alone");
+        assert_eq!(traced(1.5, None), (3.0, 150.0, 600.0), "with samples of other frames");
         assert_eq!(FilmForecast::NOTHING.traced(0.5, Some(2.0)), FilmForecast::NOTHING);
     }
 
