@@ -191,12 +191,13 @@ impl Primitive {
         within: RayInterval<F>,
         apart: Option<&mut Stack>,
     ) -> LaneHit<F> {
-        match apart {
-            Some(stack) if self.shape.has_tree() => {
-                self.shape.intersect_apart(&self.own_ray(&ray.ray), within, stack)
-            }
-            _ => self.intersect(ray, within),
+        if let Some(stack) = apart
+            && self.shape.has_tree()
+            && let Some(found) = self.shape.intersect_apart(&self.own_ray(&ray.ray), within, stack)
+        {
+            return found;
         }
+        self.intersect(ray, within)
     }
 
     /// [`Primitive::occludes`], as in [`Primitive::intersect_with`].
@@ -207,12 +208,13 @@ impl Primitive {
         within: RayInterval<F>,
         apart: Option<&mut Stack>,
     ) -> F::Mask {
-        match apart {
-            Some(stack) if self.shape.has_tree() => {
-                self.shape.occludes_apart(&self.own_ray(&ray.ray), within, stack)
-            }
-            _ => self.occludes(ray, within),
+        if let Some(stack) = apart
+            && self.shape.has_tree()
+            && let Some(found) = self.shape.occludes_apart(&self.own_ray(&ray.ray), within, stack)
+        {
+            return found;
         }
+        self.occludes(ray, within)
     }
 
     /// Rays in the shape's own space.

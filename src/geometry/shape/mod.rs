@@ -190,18 +190,18 @@ impl Shape {
         }
     }
 
-    /// [`Shape::intersect`] for rays that go different ways: shapes with trees are searched along one after the other.
+    /// [`Shape::intersect`] for rays that go different ways, along one after the other. None for shapes without trees.
     #[inline(always)]
     pub fn intersect_apart<F: Real>(
         &self,
         ray: &LaneRay<F>,
         within: RayInterval<F>,
         stack: &mut Stack,
-    ) -> LaneHit<F> {
+    ) -> Option<LaneHit<F>> {
         match self {
-            Self::Mesh(mesh) => nearest_part_of_each(mesh, ray, within, stack),
-            Self::Particles(particles) => nearest_part_of_each(particles, ray, within, stack),
-            _ => self.intersect(&PreparedRay::new(*ray), within),
+            Self::Mesh(mesh) => Some(nearest_part_of_each(mesh, ray, within, stack)),
+            Self::Particles(particles) => Some(nearest_part_of_each(particles, ray, within, stack)),
+            _ => None,
         }
     }
 
@@ -212,11 +212,11 @@ impl Shape {
         ray: &LaneRay<F>,
         within: RayInterval<F>,
         stack: &mut Stack,
-    ) -> F::Mask {
+    ) -> Option<F::Mask> {
         match self {
-            Self::Mesh(mesh) => any_part_of_each(mesh, ray, within, stack),
-            Self::Particles(particles) => any_part_of_each(particles, ray, within, stack),
-            _ => self.occludes(&PreparedRay::new(*ray), within),
+            Self::Mesh(mesh) => Some(any_part_of_each(mesh, ray, within, stack)),
+            Self::Particles(particles) => Some(any_part_of_each(particles, ray, within, stack)),
+            _ => None,
         }
     }
 

@@ -20,6 +20,8 @@ pub struct Bvh {
     /// The largest coordinate of all bounded primitives and of the points of planes. It depends on the geometry alone,
     /// not on the tree.
     pub(super) reach: f64,
+    /// Whether any shape may have a tree of its own.
+    pub(super) has_parts: bool,
     /// The revision of the geometry. None before the first build.
     revision: Option<u64>,
     /// [`Geometry::replaced`] at this revision.
@@ -149,6 +151,7 @@ impl Bvh {
             (tree, leaves) = Tree::of_boxes(&boxes);
         }
         leaves.renumber(|primitive| bounded[primitive as usize]);
+        let has_parts = geometry.primitives.iter().any(|primitive| primitive.shape.has_tree());
         let mut places = vec![Place::Nowhere; geometry.primitives.len()];
         direct.iter().chain(&meshes).for_each(|index| places[*index as usize] = Place::Direct);
         for leaf in 0..leaves.len() as u32 {
@@ -162,6 +165,7 @@ impl Bvh {
             direct,
             meshes,
             reach,
+            has_parts,
             revision: Some(geometry.revision()),
             replaced: geometry.replaced(),
             places,
@@ -232,6 +236,7 @@ impl Bvh {
         let list = if is_mesh { &mut self.meshes } else { &mut self.direct };
         let place = list.partition_point(|index| *index < slot as u32);
         list.insert(place, slot as u32);
+        self.has_parts |= is_mesh;
         self.places[slot] = Place::Direct;
     }
 

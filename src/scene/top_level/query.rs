@@ -57,20 +57,16 @@ impl Bvh {
             return nearest.hits;
         }
         let Stacks { single, parts, bundle, grouping } = stacks;
-        let mut apart = (coherence == Coherence::Incoherent).then_some(parts);
-        nearest.test(geometry, &self.meshes, apart.as_deref_mut());
+        let is_apart = self.has_parts && coherence == Coherence::Incoherent;
+        nearest.test(geometry, &self.meshes, is_apart.then_some(&mut *parts));
         if self.tree.is_empty() {
             return nearest.hits;
         }
-        let Some(parts) = apart else {
-            self.intersect_in_bundle::<L>(geometry, &mut nearest, (bundle, None));
-            return nearest.hits;
-        };
-        let is_small = self.tree.is_small();
-        if is_small || grouping.together() {
+        let is_bundle = coherence == Coherence::Coherent || self.tree.is_small();
+        if is_bundle || grouping.together() {
             bundle.work = BundleWork::default();
-            self.intersect_in_bundle::<L>(geometry, &mut nearest, (bundle, Some(parts)));
-            if !is_small {
+            self.intersect_in_bundle::<L>(geometry, &mut nearest, (bundle, is_apart.then_some(&mut *parts)));
+            if !is_bundle {
                 grouping.add(bundle.work);
             }
             return nearest.hits;
@@ -106,20 +102,16 @@ impl Bvh {
             return found.occlusion();
         }
         let Stacks { single, parts, bundle, grouping } = stacks;
-        let mut apart = (coherence == Coherence::Incoherent).then_some(parts);
-        found.test(geometry, &self.meshes, found.open(), apart.as_deref_mut());
+        let is_apart = self.has_parts && coherence == Coherence::Incoherent;
+        found.test(geometry, &self.meshes, found.open(), is_apart.then_some(&mut *parts));
         if self.tree.is_empty() || !found.open().any() {
             return found.occlusion();
         }
-        let Some(parts) = apart else {
-            self.occlusion_in_bundle::<L>(geometry, &mut found, (bundle, None));
-            return found.occlusion();
-        };
-        let is_small = self.tree.is_small();
-        if is_small || grouping.together() {
+        let is_bundle = coherence == Coherence::Coherent || self.tree.is_small();
+        if is_bundle || grouping.together() {
             bundle.work = BundleWork::default();
-            self.occlusion_in_bundle::<L>(geometry, &mut found, (bundle, Some(parts)));
-            if !is_small {
+            self.occlusion_in_bundle::<L>(geometry, &mut found, (bundle, is_apart.then_some(&mut *parts)));
+            if !is_bundle {
                 grouping.add(bundle.work);
             }
             return found.occlusion();
