@@ -38,8 +38,8 @@ pub(super) const STEEPEST: f64 = (1u64 << 40) as f64;
 /// [`STEEPEST`] moves along an axis. So such a ray enters any box around it before 0 and leaves it after 32.
 pub(super) const SLACK: f64 = 128.0 / STEEPEST;
 
-/// A search along a ray visits every box that is nearer than this to a point of the ray, in the tree's space. [`SLACK`]
-/// is four times what rays steeper than [`STEEPEST`] need. This is a small part of the rest.
+/// A search along a ray visits every box that is nearer than this to a point of the ray, in the tree's space. `SLACK` is
+/// four times what rays steeper than `STEEPEST` need. This is a small part of the rest.
 pub const CLEARANCE: f64 = SLACK / 256.0;
 
 /// Half the distance from 1 to the next f32.
