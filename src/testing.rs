@@ -2,7 +2,7 @@
 //!
 //! In: seeds, samplers and shapes.
 //! Out: random numbers, probabilities and packed geometry.
-//! Uses `base`, `geometry`, `appearance` and `scene`.
+//! Uses `base`, `geometry`, `appearance`, `film` and `scene`.
 
 mod gltf;
 mod random;
@@ -10,9 +10,12 @@ mod random;
 pub use gltf::GltfFixture;
 pub use random::Random;
 
-use crate::appearance::material::MaterialBinding;
+use crate::appearance::material::{Exponent, Highlight, Lobes, Material, MaterialBinding, Medium};
+use crate::appearance::optics::Fresnel;
+use crate::base::color::Rgb;
 use crate::base::lanes::{Level, Row, Vec3};
 use crate::base::math::{Angle, DAffine3, DVec3, LaneRay, Ray};
+use crate::film::LayerId;
 use crate::geometry::shape::Shape;
 use crate::scene::{Finish, Geometry};
 
@@ -23,6 +26,20 @@ impl Random {
         let turn = Angle(360.0 * self.unit()).cos_sin();
         let r = (1.0 - z * z).sqrt();
         DVec3::new(r * turn.x, r * turn.y, z)
+    }
+}
+
+/// Clear glass.
+pub fn glass(ior: f64, priority: i32, fresnel: Fresnel) -> Material {
+    Material {
+        lobes: Lobes { refraction: Rgb::ONE, ..Lobes::default() },
+        textures: Vec::new(),
+        emission_layer: LayerId::CONSTANT,
+        highlight: Highlight::Phong,
+        shininess: Exponent::new(1.0),
+        fresnel,
+        medium: Medium { ior, absorption: Rgb::ZERO, priority },
+        relief: Default::default(),
     }
 }
 

@@ -109,20 +109,20 @@ impl<F: Real> Interface<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::appearance::material::{Exponent, Highlight, Lobes, Material, MaterialBinding, Medium};
+    use crate::appearance::material::MaterialBinding;
     use crate::appearance::optics::Fresnel;
     use crate::base::color::Rgb;
     use crate::base::lanes::{Level, Select, SimdKernel, dispatch};
     use crate::base::math::{DAffine3, DMat3, DVec3, Ray, look_at};
     use crate::camera::{Camera, Projection};
+    use crate::film::AovSet;
     use crate::film::filter::FilterSampler;
-    use crate::film::{AovSet, LayerId};
     use crate::geometry::mesh::{Normals, TriangleMesh, generate};
     use crate::geometry::shape::{Mesh, RayInterval, Shape};
     use crate::scene::top_level::{Bvh, Coherence, NOTHING, Stacks};
     use crate::scene::{Finish, Geometry, Scene, Shading, Weights};
     use crate::sequence::quality::Quality;
-    use crate::testing::{Random, eight_rays};
+    use crate::testing::{Random, eight_rays, glass};
     use crate::trace::TraceSettings;
     use std::sync::Arc;
 
@@ -161,19 +161,6 @@ mod tests {
         }
     }
 
-    fn glass() -> Material {
-        Material {
-            lobes: Lobes { refraction: Rgb::ONE, ..Lobes::default() },
-            textures: Vec::new(),
-            emission_layer: LayerId::CONSTANT,
-            highlight: Highlight::Phong,
-            shininess: Exponent::new(1.0),
-            fresnel: Fresnel::Exact,
-            medium: Medium { ior: 1.5, absorption: Rgb::ZERO, priority: 0 },
-            relief: Default::default(),
-        }
-    }
-
     /// Of meshes wherever and however they are placed, along rays from near, from far and from inside, that aim at
     /// faces, edges and corners.
     #[test]
@@ -198,7 +185,7 @@ mod tests {
         let projection = Projection::Perspective { half_height: 0.1 };
         let camera = Camera { position: DVec3::ZERO, basis, projection, lens: None };
         let (weights, quality) = (Weights(vec![Rgb::ONE]), Quality::default());
-        let shading = Shading { materials: vec![glass()], ..Shading::default() };
+        let shading = Shading { materials: vec![glass(1.5, 0, Fresnel::Exact)], ..Shading::default() };
         for ((place, is_even), own) in places.into_iter().flat_map(|place| [(place, false), (place, true)]) {
             let mut parts = generate::displaced_sphere(3, 7);
             let to_world = if own { DAffine3::IDENTITY } else { place };

@@ -162,12 +162,7 @@ impl HitStream {
     /// The hits of the paths of these indices.
     #[inline(always)]
     pub fn at<F: Real>(&self, at: &Lookup) -> LaneHit<F> {
-        LaneHit {
-            t: F::gather(&self.t, at),
-            part: F::U32::gather(&self.part, at),
-            coincident: F::Mask::splat(false),
-            isolated: F::Mask::splat(false),
-        }
+        LaneHit { t: F::gather(&self.t, at), part: F::U32::gather(&self.part, at), ..LaneHit::none() }
     }
 }
 

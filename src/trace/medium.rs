@@ -175,22 +175,11 @@ fn prevailing(list: &[Enclosure], materials: &[Material]) -> Option<Enclosure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::appearance::material::{Exponent, Highlight, Lobes};
     use crate::appearance::optics::Fresnel;
-    use crate::base::color::Rgb;
-    use crate::film::LayerId;
+    use crate::testing;
 
     fn glass(ior: f64, priority: i32) -> Material {
-        Material {
-            lobes: Lobes { refraction: Rgb::ONE, ..Lobes::default() },
-            textures: Vec::new(),
-            emission_layer: LayerId::CONSTANT,
-            highlight: Highlight::Phong,
-            shininess: Exponent::new(1.0),
-            fresnel: Fresnel::Off,
-            medium: Medium { ior, absorption: Rgb::ZERO, priority },
-            relief: Default::default(),
-        }
+        testing::glass(ior, priority, Fresnel::Off)
     }
 
     fn passage(primitive: u32, material: u32, enters: bool) -> Passage {

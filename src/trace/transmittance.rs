@@ -216,7 +216,7 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
         }
         let none = L::Mask::splat(false);
         let (t, part) = (L::F64::load(&next.t, 0), L::U32::load(&next.part, 0));
-        let at = LaneHit { t, part, coincident: none, isolated: none };
+        let at = LaneHit { t, part, ..LaneHit::none() };
         let (primitive, material) = (L::U32::load(&next.primitive, 0), L::U32::load(&next.material, 0));
         let (ray, zero) = (&self.ray.ray, L::F64::splat(0.0));
         let hit = (at, primitive, material);

@@ -56,10 +56,16 @@ impl Borders {
         self.count
     }
 
+    /// The distance of rows in memory.
+    #[inline(always)]
+    fn stride(&self) -> usize {
+        self.count + 1 + WINDOW
+    }
+
     /// The lower and the upper border of an interval of a row.
     #[inline(always)]
     pub fn around(&self, row: usize, interval: usize) -> [f64; 2] {
-        let at = row * (self.count + 1 + WINDOW) + interval;
+        let at = row * self.stride() + interval;
         [self.ends[at], self.ends[at + 1]]
     }
 
@@ -77,9 +83,9 @@ impl Borders {
         debug_assert!(value < f64::INFINITY, "{value} is not before the infinite ones");
         let step = ((value - self.first) * self.per_range * self.steps as f64) as usize;
         let cutpoint = self.cutpoints[row * self.steps + step.min(self.steps - 1)];
-        let row = &self.ends[row * (self.count + 1 + WINDOW)..][..self.count + 1 + WINDOW];
-        // Rounding of the place may reach the step that begins just above the value. Then one border at most lies
-        // between them: ends scale exactly if they are from 0 to 1, and others differ.
+        let row = &self.ends[row * self.stride()..][..self.stride()];
+        // Rounding of the place may reach the step that begins just above the value. At most one border lies between
+        // them: from 0 to 1, places are exact, so that borders may be equal there, and heights all differ.
         let mut at = usize::from(cutpoint).saturating_sub(1);
         loop {
             // All are compared, because a processor could not predict which one is the last.

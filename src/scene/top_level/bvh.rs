@@ -232,11 +232,11 @@ impl Bvh {
 
     /// Adds a primitive that appeared to those that are tested without the tree.
     fn add_direct(&mut self, geometry: &Geometry, slot: usize) {
-        let is_mesh = matches!(geometry.primitives[slot].shape, Shape::Mesh(_));
-        let list = if is_mesh { &mut self.meshes } else { &mut self.direct };
+        let has_tree = geometry.primitives[slot].shape.has_tree();
+        let list = if has_tree { &mut self.meshes } else { &mut self.direct };
         let place = list.partition_point(|index| *index < slot as u32);
         list.insert(place, slot as u32);
-        self.has_parts |= is_mesh;
+        self.has_parts |= has_tree;
         self.places[slot] = Place::Direct;
     }
 

@@ -2,18 +2,19 @@
 
 use super::*;
 use crate::appearance::environment::{Environment, Sky};
-use crate::appearance::material::{Exponent, Highlight, Material, MaterialBinding, Medium};
+use crate::appearance::material::MaterialBinding;
 use crate::appearance::optics::Fresnel;
 use crate::base::color::Rgb;
 use crate::base::math::{DAffine3, DVec3, look_at};
 use crate::camera::{Camera, Projection};
+use crate::film::AovSet;
 use crate::film::filter::FilterSampler;
-use crate::film::{AovSet, LayerId};
 use crate::geometry::shape::{Cuboid, Shape};
 use crate::sampling::PixelSampler;
 use crate::scene::top_level::Bvh;
 use crate::scene::{Finish, Geometry, Scene, Shading, Weights};
 use crate::sequence::quality::Quality;
+use crate::testing::glass;
 use crate::trace::TraceSettings;
 use crate::trace::camera_rays::SampleGroup;
 
@@ -27,18 +28,8 @@ fn plates() -> (Geometry, Shading) {
         let finish = Finish::Material(MaterialBinding::One(0));
         geometry.push(&Shape::Cuboid(Cuboid { min, max }), DAffine3::IDENTITY, finish);
     }
-    let glass = Material {
-        lobes: Lobes { refraction: Rgb::ONE, ..Lobes::default() },
-        textures: Vec::new(),
-        emission_layer: LayerId::CONSTANT,
-        highlight: Highlight::Phong,
-        shininess: Exponent::new(1.0),
-        fresnel: Fresnel::Exact,
-        medium: Medium { ior: 4.0, absorption: Rgb::ZERO, priority: 0 },
-        relief: Default::default(),
-    };
     let environment = Environment { sky: Sky::Constant(Rgb::ONE), ..Environment::default() };
-    (geometry, Shading { materials: vec![glass], environment, ..Shading::default() })
+    (geometry, Shading { materials: vec![glass(4.0, 0, Fresnel::Exact)], environment, ..Shading::default() })
 }
 
 /// The light of samples of neighbouring pixels, their counts, and the largest number of paths at once, if at most

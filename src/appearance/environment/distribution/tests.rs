@@ -66,6 +66,29 @@ fn samples_have_their_density_and_miss_nothing() {
     }
 }
 
+/// At the borders of cells, where a direction may be rounded into the neighbour, samples have the density of the cell that
+/// they are drawn from.
+#[test]
+fn samples_at_borders_have_the_density_of_their_cells() {
+    for (_, table) in tables() {
+        let width = table.columns.count();
+        for row in 0..table.rows.count() {
+            let ([v, _], [low, high]) = (table.rows.around(0, row), table.heights.around(0, row));
+            let y = 0.5 * (low + high);
+            for column in 0..width {
+                let [u, _] = table.columns.around(row, column);
+                let (_, pdf) = table.sample([u, v]);
+                let longitude = (column as f64 + 0.5) / width as f64;
+                assert_eq!(
+                    pdf,
+                    table.pdf(equirect::around(longitude, y, (1.0 - y * y).sqrt())),
+                    "{row} {column}"
+                );
+            }
+        }
+    }
+}
+
 /// Sampled directions fall into cells as often as the densities predict. Pearson's chi-square over all cells is within
 /// five standard deviations, √(2k) each, of its mean k.
 #[test]

@@ -121,7 +121,7 @@ impl SimdKernel for Isolating<'_> {
     #[inline(always)]
     fn run<L: Level>(self) -> Option<ShapeHit> {
         let mut stack = Stack::default();
-        stack.isolates |= true;
+        stack.isolates = true;
         nearest_part_on::<L>(self.0, self.1, RayInterval::up_to(f64::INFINITY), Some(&mut stack))
     }
 }
