@@ -151,7 +151,8 @@ mod tests {
             let (zero, first) = (L::F64::splat(0.0), L::U32::splat(0));
             let mut surface =
                 SurfaceInteraction::new(context, &ray, (hits.at, hits.primitive, first), zero, found);
-            surface.event = L::U32::select(hits.at.isolated, L::U32::splat(ISOLATED), first);
+            surface.event =
+                L::U32::select(L::Mask::from_bits(hits.at.isolated), L::U32::splat(ISOLATED), first);
             let sides = Sides::new(context, &surface, found);
             for lane in lanes(sides.clear) {
                 let enters = surface.outside.bits() >> lane & 1 == 1;

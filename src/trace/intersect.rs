@@ -141,7 +141,7 @@ impl HitStream {
         for lane in lanes(found.at.coincident.bits() & wanted) {
             self.close.push((first + lane) as u32);
         }
-        for lane in lanes(found.at.isolated.bits() & wanted) {
+        for lane in lanes(found.at.isolated & wanted) {
             self.event[first + lane] = ISOLATED;
         }
     }

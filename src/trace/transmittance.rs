@@ -134,7 +134,7 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
             (next.t[lane], next.part[lane], next.primitive[lane]) = (t[lane], part[lane], primitive[lane]);
         }
         // It stays so if no other surface turns out to coincide: only the parts of the hit's own mesh matter.
-        for lane in lanes(found.at.isolated.bits() & wanted) {
+        for lane in lanes(found.at.isolated & wanted) {
             next.event[lane] = ISOLATED;
         }
         let coincident = found.at.coincident.bits() & wanted;

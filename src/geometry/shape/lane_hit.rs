@@ -13,13 +13,14 @@ pub struct LaneHit<F: Real> {
     pub part: F::U32,
     /// Lanes in which another hit is so near that the order is uncertain.
     pub coincident: F::Mask,
-    /// Lanes in which no other part of a mesh is near: see [`ShapeHit::isolated`].
-    pub isolated: F::Mask,
+    /// A bit for each lane in which no other part of a mesh is near: see [`ShapeHit::isolated`]. Bits, as hits of other
+    /// shapes have none.
+    pub isolated: u32,
 }
 
 impl From<ShapeHit> for LaneHit<f64> {
     fn from(ShapeHit { t, part, coincident, isolated }: ShapeHit) -> Self {
-        Self { t, part, coincident, isolated }
+        Self { t, part, coincident, isolated: u32::from(isolated) }
     }
 }
 
@@ -32,7 +33,7 @@ impl<F: Real> LaneHit<F> {
                 t: F::splat(t),
                 part: F::U32::splat(part),
                 coincident: F::Mask::splat(coincident),
-                isolated: F::Mask::splat(isolated),
+                isolated: F::Mask::splat(isolated).bits(),
             },
             None => Self::none(),
         }
@@ -41,7 +42,7 @@ impl<F: Real> LaneHit<F> {
     #[inline(always)]
     pub fn none() -> Self {
         let no = F::Mask::splat(false);
-        Self { t: F::splat(f64::INFINITY), part: F::U32::splat(0), coincident: no, isolated: no }
+        Self { t: F::splat(f64::INFINITY), part: F::U32::splat(0), coincident: no, isolated: 0 }
     }
 
     /// The hits of single rays, one per lane.
@@ -57,7 +58,7 @@ impl<F: Real> LaneHit<F> {
             }
         }
         let (t, part) = (F::from_array(t), F::U32::from_array(part));
-        Self { t, part, coincident: F::Mask::from_bits(coincident), isolated: F::Mask::from_bits(isolated) }
+        Self { t, part, coincident: F::Mask::from_bits(coincident), isolated }
     }
 
     /// Hits at t in the lanes of a mask, if they are within bounds.
@@ -71,7 +72,7 @@ impl<F: Real> LaneHit<F> {
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Option<ShapeHit> {
         let t = self.t.to_array()[lane];
-        let (coincident, isolated) = (self.coincident.bits() >> lane & 1, self.isolated.bits() >> lane & 1);
+        let (coincident, isolated) = (self.coincident.bits() >> lane & 1, self.isolated >> lane & 1);
         (t < f64::INFINITY).then_some(ShapeHit {
             t,
             part: self.part.to_array()[lane],
@@ -94,9 +95,18 @@ impl<F: Real> Select<F::Mask> for LaneHit<F> {
             t: F::select(mask, yes.t, no.t),
             part: F::U32::select(mask, yes.part, no.part),
             coincident: yes.coincident & mask | no.coincident & !mask,
-            isolated: yes.isolated & mask | no.isolated & !mask,
+            isolated: select_bits(mask, yes.isolated, no.isolated),
         }
     }
+}
+
+/// The bits of one or the other number by a mask. Most often, neither has any.
+#[inline(always)]
+pub fn select_bits<M: Mask>(mask: M, yes: u32, no: u32) -> u32 {
+    if yes | no == 0 {
+        return 0;
+    }
+    yes & mask.bits() | no & !mask.bits()
 }
 
 impl LaneHit<f64> {

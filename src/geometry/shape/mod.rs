@@ -47,7 +47,7 @@ pub use disk::Disk;
 pub use flat::{axes as flat_axes, placed as flat_surface, spans_a_plane};
 pub use frustum::{End as FrustumEnd, Frustum};
 pub use geometric::{Geometric, OneRay};
-pub use lane_hit::LaneHit;
+pub use lane_hit::{LaneHit, select_bits};
 use lane_ray::exit;
 pub use lane_ray::{PreparedRay, RayInterval};
 pub use lane_surface::LaneSurface;

@@ -3,7 +3,9 @@
 use crate::base::lanes::{Bits, LaneKernel, Level, Mask, Real, Row, Select};
 use crate::base::math::min;
 use crate::geometry::bvh::Stack;
-use crate::geometry::shape::{CoincidenceRange, LaneHit, PreparedRay, RayInterval, ShapeHit, store_lanes};
+use crate::geometry::shape::{
+    CoincidenceRange, LaneHit, PreparedRay, RayInterval, ShapeHit, select_bits, store_lanes,
+};
 use crate::scene::{Geometry, Hit};
 
 /// The first hits of rays.
@@ -31,7 +33,7 @@ impl<F: Real> LaneHits<F> {
             primitives: [NOTHING; 8],
             parts: [0; 8],
             coincident: self.at.coincident.bits(),
-            isolated: self.at.isolated.bits(),
+            isolated: self.at.isolated,
         };
         for lane in 0..F::LANES {
             (rows.primitives[lane], rows.parts[lane]) = (primitives[lane], parts[lane]);
@@ -60,7 +62,7 @@ impl StoredHits {
                 t: F::load(&self.t, 0),
                 part: F::U32::load(&self.parts, 0),
                 coincident: F::Mask::from_bits(self.coincident),
-                isolated: F::Mask::from_bits(self.isolated),
+                isolated: self.isolated,
             },
             primitive: F::U32::load(&self.primitives, 0),
         }
@@ -146,7 +148,7 @@ impl<'a, F: Real> LaneClosestHit<'a, F> {
         let better = at.t.lt(best.at.t) | (at.t.eq(best.at.t) & at.is_hit() & index.lt(best.primitive));
         let close = at.is_hit() & best.at.t.le(self.coincidence_range.end(at.t));
         best.at.coincident = close | (best.at.coincident & !better) | (at.coincident & better);
-        best.at.isolated = (best.at.isolated & !better) | (at.isolated & better);
+        best.at.isolated = select_bits(better, at.isolated, best.at.isolated);
         best.at.t = F::select(better, at.t, best.at.t);
         best.at.part = F::U32::select(better, at.part, best.at.part);
         best.primitive = F::U32::select(better, index, best.primitive);

@@ -150,7 +150,7 @@ impl<L: Level, const ANY: bool> BundleVisitor<L> for BundleWalk<'_, L, ANY> {
             let coincident = hit & !part.eq(best.part) & best.t.le(self.coincidence_range.end(at.t));
             best.coincident = best.coincident | coincident;
             if nearer.any() {
-                self.take(nearer, LaneHit { t: at.t, part, coincident, isolated: L::Mask::splat(false) });
+                self.take(nearer, LaneHit { t: at.t, part, coincident, isolated: 0 });
             }
         }
     }

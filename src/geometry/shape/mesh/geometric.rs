@@ -72,7 +72,7 @@ impl Geometric for Mesh {
             t: F::load(&found.t, 0),
             part: F::U32::load(&found.parts, 0),
             coincident: F::Mask::from_bits(found.coincident),
-            isolated: F::Mask::splat(false),
+            isolated: 0,
         }
     }
 

@@ -352,7 +352,7 @@ impl SimdKernel for Eight<'_> {
             t: L::F64::from_array(at.map(|at| at.t)),
             part: L::U32::from_array(at.map(|at| at.part)),
             coincident: L::Mask::splat(false),
-            isolated: L::Mask::splat(false),
+            isolated: 0,
         };
         mesh.surface(&eight_rays::<L>(rays), at, 0.0).store()
     }
