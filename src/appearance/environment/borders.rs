@@ -1,5 +1,7 @@
 //! Ascending borders, and the search for the interval between them that holds a number.
 
+use crate::base::lanes::{Level, Real};
+
 /// Rows of ascending numbers, the borders of intervals. All rows have equally many, and the same first and last one.
 ///
 /// The way from the first border to the last one is divided into equal steps. A table has the interval in which each
@@ -80,13 +82,57 @@ impl Borders {
     /// behind it.
     #[inline(always)]
     pub fn find(&self, row: usize, value: f64) -> usize {
+        self.find_from(self.begin(self.step(row, value)), row, value)
+    }
+
+    /// [`Borders::find`] of each lane, with a row for each. All ask for their borders before any is compared: those of many
+    /// rows do not fit into a core's cache, and would be waited for one after the other.
+    #[inline(always)]
+    pub fn find_each<F: Real>(&self, rows: &[usize; 8], values: F) -> [usize; 8] {
+        let (values, mut at) = (values.to_array(), [0; 8]);
+        for lane in 0..F::LANES {
+            at[lane] = self.step(rows[lane], values[lane]);
+            F::Level::prefetch(&self.cutpoints, at[lane]);
+        }
+        for lane in 0..F::LANES {
+            at[lane] = self.begin(at[lane]);
+            self.prefetch::<F::Level>(rows[lane], at[lane]);
+        }
+        for lane in 0..F::LANES {
+            at[lane] = self.find_from(at[lane], rows[lane], values[lane]);
+        }
+        at
+    }
+
+    /// Asks for the borders around an interval of a row and the ones behind it.
+    #[inline(always)]
+    pub fn prefetch<L: Level>(&self, row: usize, interval: usize) {
+        let at = row * self.stride() + interval;
+        L::prefetch(&self.ends, at);
+        L::prefetch(&self.ends, at + WINDOW);
+    }
+
+    /// The index of the cutpoint of a value.
+    #[inline(always)]
+    fn step(&self, row: usize, value: f64) -> usize {
         debug_assert!(value < f64::INFINITY, "{value} is not before the infinite ones");
         let step = ((value - self.first) * self.per_range * self.steps as f64) as usize;
-        let cutpoint = self.cutpoints[row * self.steps + step.min(self.steps - 1)];
+        row * self.steps + step.min(self.steps - 1)
+    }
+
+    /// The first interval that may hold a value of this step.
+    ///
+    /// Rounding of the place may reach the step that begins just above the value. At most one border lies between them:
+    /// from 0 to 1, places are exact, so that borders may be equal there, and heights all differ.
+    #[inline(always)]
+    fn begin(&self, step: usize) -> usize {
+        usize::from(self.cutpoints[step]).saturating_sub(1)
+    }
+
+    /// [`Borders::find`] from an interval on.
+    #[inline(always)]
+    fn find_from(&self, mut at: usize, row: usize, value: f64) -> usize {
         let row = &self.ends[row * self.stride()..][..self.stride()];
-        // Rounding of the place may reach the step that begins just above the value. At most one border lies between
-        // them: from 0 to 1, places are exact, so that borders may be equal there, and heights all differ.
-        let mut at = usize::from(cutpoint).saturating_sub(1);
         loop {
             // All are compared, because a processor could not predict which one is the last.
             let below: usize = row[at + 1..][..WINDOW].iter().map(|end| usize::from(*end <= value)).sum();
@@ -130,6 +176,7 @@ mod tests {
                 for value in inner.chain(anywhere).chain([-9.0, 9.0]) {
                     let all = ends.partition_point(|end| *end <= value).clamp(1, ends.len() - 1) - 1;
                     assert_eq!(borders.find(row, value), all, "{value:e}");
+                    assert_eq!(borders.find_each::<f64>(&[row; 8], value)[0], all, "{value:e}");
                 }
                 assert!(borders.find(row, f64::NAN) < ends.len() - 1);
             }

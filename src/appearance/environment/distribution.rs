@@ -76,9 +76,15 @@ impl EnvironmentDistribution {
     pub fn sample<F: Real>(&self, [u, v]: [F; 2]) -> (Vec3<F>, F) {
         let (us, vs) = (u.to_array(), v.to_array());
         let (mut heights, mut longitudes, mut pdf) = (us, us, us);
+        let mut rows = [0; 8];
         for lane in 0..F::LANES {
-            let (row, up) = interval_at(&self.rows, 0, vs[lane]);
-            let (column, right) = interval_at(&self.columns, row, us[lane]);
+            rows[lane] = self.rows.find(0, vs[lane]);
+        }
+        let columns = self.columns.find_each(&rows, u);
+        for lane in 0..F::LANES {
+            let (row, column) = (rows[lane], columns[lane]);
+            let up = part(self.rows.around(0, row), vs[lane]);
+            let right = part(self.columns.around(row, column), us[lane]);
             let [low, high] = self.heights.around(0, row);
             heights[lane] = low + up * (high - low);
             longitudes[lane] = (column as f64 + right) / self.columns.count() as f64;
@@ -96,10 +102,16 @@ impl EnvironmentDistribution {
         let width = self.columns.count();
         let column = equirect::longitude(direction) * F::splat(width as f64);
         let (columns, heights) = (column.to_array(), direction.y.to_array());
-        let mut pdf = columns;
+        let (mut pdf, mut cells) = (columns, [(0, 0); 8]);
         for lane in 0..F::LANES {
             let column = (columns[lane] as usize).min(width - 1);
-            pdf[lane] = self.cell_pdf(column, self.heights.find(0, heights[lane]));
+            let row = self.heights.find(0, heights[lane]);
+            self.columns.prefetch::<F::Level>(row, column);
+            cells[lane] = (column, row);
+        }
+        for lane in 0..F::LANES {
+            let (column, row) = cells[lane];
+            pdf[lane] = self.cell_pdf(column, row);
         }
         F::from_array(pdf)
     }
@@ -150,10 +162,8 @@ fn cumulative(weights: impl Iterator<Item = f64> + Clone) -> impl Iterator<Item 
     std::iter::once(0.0).chain(sums)
 }
 
-/// The interval of a row that holds `u` in 0..1, and the fraction of the way along it.
+/// The fraction of the way from one border to the next at which a number lies.
 #[inline(always)]
-fn interval_at(borders: &Borders, row: usize, u: f64) -> (usize, f64) {
-    let interval = borders.find(row, u);
-    let [low, high] = borders.around(row, interval);
-    (interval, ((u - low) / (high - low)).clamp(0.0, 1.0))
+fn part([low, high]: [f64; 2], number: f64) -> f64 {
+    ((number - low) / (high - low)).clamp(0.0, 1.0)
 }

@@ -127,15 +127,26 @@ impl Image {
         let [left, right] = [x.low, x.high].map(|x| x.to_u32().to_array());
         // Rows are counted from the top.
         let [low, high] = [y.low, y.high].map(|y| (last - y).to_u32().to_array());
-        let (rights, ups) = (x.fraction.to_array(), y.fraction.to_array());
+        // All texels are read before any is used: those of large images are waited for together.
+        let wanted = is_finite.bits();
+        let low = [self.gather::<F>(left, low, wanted), self.gather::<F>(right, low, wanted)];
+        let high = [self.gather::<F>(left, high, wanted), self.gather::<F>(right, high, wanted)];
+        let [low, high] = [low[0].lerp(low[1], x.fraction), high[0].lerp(high[1], x.fraction)];
+        low.lerp(high, y.fraction)
+    }
+
+    /// The texels in these columns and rows, the latter from the top, in the lanes `wanted`; black in the others.
+    #[inline(always)]
+    fn gather<F: Real>(
+        &self,
+        columns: <F::U32 as Row>::Array,
+        rows: <F::U32 as Row>::Array,
+        wanted: u32,
+    ) -> Color<F::F32> {
         let black = F::F32::splat(0.0).to_array();
         let (mut r, mut g, mut b) = (black, black, black);
-        for lane in lanes(is_finite.bits()) {
-            let along = |row: u32| {
-                let [left, right] = [left[lane], right[lane]].map(|x| self.texels[self.index(x, row)]);
-                left.lerp(right, rights[lane])
-            };
-            (r[lane], g[lane], b[lane]) = along(low[lane]).lerp(along(high[lane]), ups[lane]).into();
+        for lane in lanes(wanted) {
+            (r[lane], g[lane], b[lane]) = self.texels[self.index(columns[lane], rows[lane])].into();
         }
         Color { r: F::F32::from_array(r), g: F::F32::from_array(g), b: F::F32::from_array(b) }
     }
