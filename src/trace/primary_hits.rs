@@ -6,7 +6,7 @@ use super::settings::{Moment, TraceSettings};
 use super::wavefront::WAVE;
 use crate::base::math::{DAffine3, DMat3, DVec2, DVec3, inverse};
 use crate::camera::{Camera, Projection, pixels_of};
-use crate::film::denoise::Reprojection;
+use crate::film::denoise::{Memory, Reprojection};
 use crate::geometry::shape::ShapeHit;
 use crate::sampling::PixelSampler;
 use crate::scene::Scene;
@@ -91,8 +91,9 @@ impl PrimaryHits {
         Self { size, camera, hits, to_object }
     }
 
-    /// Where another frame sees the points that these pixels see. Points move with their objects.
-    pub fn seen_by(&self, other: &Self) -> Reprojection {
+    /// Where another frame sees the points that these pixels see. Points move with their objects. What is found has its
+    /// memory from `memory`.
+    pub fn seen_by(&self, other: &Self, memory: &Memory) -> Reprojection {
         let motions = self.motions(other);
         let pixel_height = 2.0 / f64::from(self.size.1);
         let find = |pixel: usize| {
@@ -122,7 +123,7 @@ impl PrimaryHits {
                 Seen::Surface(_) => false,
             }
         };
-        Reprojection::new(self.size, find, sees)
+        Reprojection::new(memory, self.size, find, sees)
     }
 
     /// How each primitive moves to the other frame.
@@ -217,7 +218,7 @@ mod tests {
 
     /// The number of pixels whose points the other frame sees.
     fn seen(own: &PrimaryHits, other: &PrimaryHits) -> usize {
-        let found = own.seen_by(other);
+        let found = own.seen_by(other, &Memory::default());
         let pixels = (0..SIZE.1 as usize).flat_map(|y| (0..SIZE.0 as usize).map(move |x| [x, y]));
         pixels.filter(|pixel| found.sees(*pixel)).count()
     }
@@ -254,7 +255,7 @@ mod tests {
     #[test]
     fn hidden_points_are_not_seen() {
         let (own, behind) = (hits(EYE, 0.0), hits(DVec3::new(0.0, 2.0, -9.0), 0.0));
-        let found = own.seen_by(&behind);
+        let found = own.seen_by(&behind, &Memory::default());
         // The point of the ball that is nearest to the eye.
         let near = |pixel: &usize| (own.hits[*pixel].point - EYE).length();
         let ball = (0..own.hits.len()).filter(|pixel| own.hits[*pixel].primitive == 1);

@@ -2,6 +2,7 @@
 
 use super::guides::Guides;
 use super::halves::Halves;
+use super::memory::Memory;
 use super::neighbors::{Neighbor, Pooled};
 use super::planes::Planes;
 use super::regression::{SCALES, fit};
@@ -50,13 +51,13 @@ impl<'a> Candidates<'a> {
     /// The fits have the guides of the other half. With their own, fits would follow what random numbers have in common
     /// in guides and light: in glass, samples that are reflected and samples that are not see other surfaces.
     pub fn new(halves: &'a Halves) -> Self {
-        let size = halves.dimmed[0].size();
+        let (memory, size) = (halves.memory(), halves.dimmed[0].size());
         let [first, second] = &halves.guides;
         let guides: [Guides; 2] =
-            rayon::join(|| Guides::new(size, first), || Guides::new(size, second)).into();
+            rayon::join(|| Guides::new(memory, size, first), || Guides::new(memory, size, second)).into();
         let [a, b] = &halves.dimmed;
         let fits = rayon::join(|| fit(&guides[1], &guides[1], a), || fit(&guides[0], &guides[0], b)).into();
-        let samples = halves.films.each_ref().map(|film| Planes::of_film(film, 0..film.held.len()));
+        let samples = halves.films.each_ref().map(|film| Planes::of_film(memory, film, 0..film.held.len()));
         let floors = (0..halves.film().held.len()).map(|layer| floor(halves, layer)).collect();
         Self { halves, samples, guides, fits, floors }
     }
@@ -98,7 +99,7 @@ fn floor(halves: &Halves, layer: usize) -> f32 {
 struct PooledCandidates {
     light: [Planes; 2],
     fits: [[Planes; POOLED_SCALES]; 2],
-    still: Planes,
+    still: Option<Planes>,
 }
 
 /// The candidates of all pixels in a layer.
@@ -118,6 +119,11 @@ impl LayerCandidates<'_> {
         self.all.size()
     }
 
+    /// Where planes of the candidates have their memory.
+    pub fn memory(&self) -> &Memory {
+        self.all.halves.memory()
+    }
+
     /// The samples of both halves in a row, per channel.
     pub fn samples(&self, y: usize) -> [[&[f32]; 2]; 3] {
         [0, 1, 2].map(|channel| self.all.samples.each_ref().map(|half| half.row(3 * self.layer + channel, y)))
@@ -129,7 +135,7 @@ impl LayerCandidates<'_> {
             halves: [0, 1].map(|half| from_fn(|candidate| self.channels(half, candidate, y))),
             count: self.count(),
             floor: self.all.floors[self.layer],
-            still: self.pooled.as_ref().map(|pooled| pooled.still.row(0, y)),
+            still: self.pooled.as_ref().and_then(|pooled| pooled.still.as_ref()).map(|still| still.row(0, y)),
         }
     }
 

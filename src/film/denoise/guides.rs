@@ -2,6 +2,7 @@
 
 use super::super::Film;
 use super::columns::Columns;
+use super::memory::{Held, Memory};
 use super::planes::COLUMN;
 use crate::base::lanes::{Real, Row, Single};
 use crate::film::aov::GUIDES;
@@ -30,7 +31,7 @@ pub struct Guides {
     unit: f32,
     height: usize,
     /// Per row: the guides without positions.
-    values: Vec<f32>,
+    values: Held<f32>,
     /// For a row: 1 in the picture and 0 beside it, and the positions along it.
     row: Vec<f32>,
 }
@@ -41,22 +42,24 @@ impl Guides {
 
     /// Those of a picture of this size. Closeness is 1 over the distance, which is linear in the position on planes,
     /// relative to its mean over the picture.
-    pub fn new((width, height): (usize, usize), pixels: &[PixelGuides]) -> Self {
-        Self::of_pixels((width, height), unit_of_closeness(pixels), |[x, y]| pixels[y * width + x])
+    pub fn new(memory: &Memory, (width, height): (usize, usize), pixels: &[PixelGuides]) -> Self {
+        let unit = unit_of_closeness(pixels);
+        Self::of_pixels(memory, (width, height), unit, |[x, y]| pixels[y * width + x])
     }
 
     /// Others of a picture of the same size, whose closeness has the same unit.
     pub fn with(&self, width: usize, read: impl Fn([usize; 2]) -> PixelGuides + Sync) -> Self {
-        Self::of_pixels((width, self.height), self.unit, read)
+        Self::of_pixels(self.values.memory(), (width, self.height), self.unit, read)
     }
 
     fn of_pixels(
+        memory: &Memory,
         (width, height): (usize, usize),
         unit: f32,
         read: impl Fn([usize; 2]) -> PixelGuides + Sync,
     ) -> Self {
         let columns = Columns::new(width);
-        let mut values = vec![0.0; height * POSITION * columns.of_row()];
+        let mut values = memory.zeros(height * POSITION * columns.of_row());
         let rows = values.par_chunks_exact_mut(POSITION * columns.of_row()).enumerate();
         rows.for_each_init(
             || vec![0.0; POSITION * columns.pixels()],

@@ -2,6 +2,7 @@
 
 use super::super::{Film, LayerId};
 use super::guides::{PixelGuides, guides_of};
+use super::memory::Memory;
 use super::outliers::dimmed;
 use super::planes::Planes;
 use crate::base::color::Rgb;
@@ -16,9 +17,9 @@ pub struct Halves {
 }
 
 impl Halves {
-    /// Both films must have the same size and layers.
-    pub fn new(films: [Film; 2]) -> Self {
-        let light = |film: &Film| dimmed(&Planes::of_film(film, 0..film.held.len()));
+    /// Both films must have the same size and layers. What is made of them has its memory from `memory`.
+    pub fn new(films: [Film; 2], memory: &Memory) -> Self {
+        let light = |film: &Film| dimmed(&Planes::of_film(memory, film, 0..film.held.len()));
         let [first, second] = &films;
         let dimmed = rayon::join(|| light(first), || light(second)).into();
         let guides = films.each_ref().map(guides_of);
@@ -28,6 +29,11 @@ impl Halves {
     /// Bytes per pixel of what is kept besides the films.
     pub(super) const fn bytes_of_pixel(layers: u64) -> u64 {
         2 * (layers * size_of::<Rgb>() as u64 + size_of::<PixelGuides>() as u64)
+    }
+
+    /// Where planes of these samples have their memory.
+    pub(super) fn memory(&self) -> &Memory {
+        self.dimmed[0].memory()
     }
 
     /// The size and the layers of the films.

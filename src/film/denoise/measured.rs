@@ -27,7 +27,7 @@ impl Measured {
 
     /// The estimates for a layer. Beside the picture, they are zero.
     pub fn new(candidates: &LayerCandidates, layer: usize, audits: [&Film; 2]) -> Self {
-        let mut errors = Planes::new(candidates.size(), ESTIMATES);
+        let mut errors = Planes::unset(candidates.memory(), candidates.size(), ESTIMATES);
         errors.par_lines_mut().enumerate().for_each(|(y, into)| {
             let audits = AuditRow::new(audits, layer, y);
             dispatch(MeasureRow { candidates: candidates.row(y), audits, into });

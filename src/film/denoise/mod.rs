@@ -22,6 +22,7 @@ mod error;
 mod guides;
 mod halves;
 mod measured;
+mod memory;
 mod neighbors;
 mod outliers;
 mod planes;
@@ -34,6 +35,7 @@ mod trust;
 
 pub use error::RemainingError;
 pub use halves::Halves;
+pub use memory::Memory;
 pub use neighbors::{Neighbor, Reprojection};
 pub use trial::trial;
 
@@ -95,7 +97,8 @@ pub fn bytes((width, height): (u32, u32), layers: u64, neighbors: u64) -> u64 {
     row.saturating_mul(pixel).saturating_add(sets * guides * Guides::BYTES_PER_PIXEL)
 }
 
-/// Denoises a picture. The film holds no guides. `samples` is the number of samples per pixel of all films.
+/// Denoises a picture. The film holds no guides. `samples` is the number of samples per pixel of all films. Memory is that of
+/// the halves.
 pub fn denoise(films: &SampleFilms, samples: f64) -> Film {
     let first = films.halves.film();
     let aovs = AovSet { guides: false, ..first.aovs };
@@ -123,6 +126,7 @@ pub fn denoise(films: &SampleFilms, samples: f64) -> Film {
     let remaining = RemainingError::measure(&film, &films.audits, samples);
     film.noise = Some(remaining.of(&film.weights));
     film.remaining = Some(Arc::new(remaining));
+    films.halves.memory().settle();
     film
 }
 
@@ -130,7 +134,8 @@ pub fn denoise(films: &SampleFilms, samples: f64) -> Film {
 fn filter(films: &SampleFilms) -> Planes {
     let film = films.halves.film();
     let layers = film.held.len();
-    let mut filtered = Planes::new((film.width as usize, film.height as usize), 3 * layers);
+    let size = (film.width as usize, film.height as usize);
+    let mut filtered = Planes::unset(films.halves.memory(), size, 3 * layers);
     let candidates = Candidates::new(films.halves);
     for layer in 0..layers {
         filter_layer(&candidates.of_layer(layer, films.neighbors), layer, films.audits, &mut filtered);
@@ -143,7 +148,7 @@ fn filter_layer(candidates: &LayerCandidates, layer: usize, audits: [&Film; 2], 
     let measured = Measured::new(candidates, layer, audits);
     let around = surroundings(&measured, candidates.count());
     let calibration = Calibration::new(candidates, &measured, &around);
-    let (stride, mut changes) = (filtered.stride, Planes::new(filtered.size(), trust::NUMBERS));
+    let (stride, mut changes) = (filtered.stride, filtered.unset_like(trust::NUMBERS));
     let of_layer = 3 * layer * stride;
     filtered.par_lines_mut().zip(changes.par_lines_mut()).enumerate().for_each(|(y, (line, changes))| {
         let candidates = candidates.row(y);

@@ -16,7 +16,7 @@ const FACTOR: f32 = 2.0;
 /// The light of all pixels without outliers.
 pub fn dimmed(light: &Planes) -> Planes {
     let (stride, layers) = (light.stride, light.count / 3);
-    let mut brightness = Planes::new(light.size(), layers);
+    let mut brightness = light.unset_like(layers);
     brightness.par_lines_mut().enumerate().for_each(|(y, line)| {
         for (layer, sums) in line.chunks_exact_mut(stride).enumerate() {
             let [red, green, blue] = light.channels(layer, y);
@@ -25,7 +25,7 @@ pub fn dimmed(light: &Planes) -> Planes {
             }
         }
     });
-    let mut dimmed = Planes::new(light.size(), light.count);
+    let mut dimmed = light.unset_like(light.count);
     dimmed.par_lines_mut().enumerate().for_each(|(y, line)| {
         for (layer, dimmed) in line.chunks_exact_mut(3 * stride).enumerate() {
             let mut factors = brightest_around(&brightness, layer, y);
@@ -37,6 +37,7 @@ pub fn dimmed(light: &Planes) -> Planes {
                 for (x, factor) in factors.iter().enumerate() {
                     into[x] = channel[x] * factor;
                 }
+                into[factors.len()..].fill(0.0);
             }
         }
     });
@@ -111,6 +112,7 @@ fn lower(numbers: &mut [f32], others: &[f32]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::memory::Memory;
     use super::*;
     use crate::base::color::Rgb;
 
@@ -124,7 +126,7 @@ mod tests {
     /// Two layers of small pictures.
     fn for_all_pixels(check: impl Fn(&Planes, usize, [usize; 2])) {
         for size in [(7, 6), (1, 4), (2, 1), (19, 3)] {
-            let mut light = Planes::new(size, 6);
+            let mut light = Planes::zeros(&Memory::default(), size, 6);
             let stride = light.stride;
             light.par_lines_mut().enumerate().for_each(|(y, line)| {
                 for (at, number) in line.iter_mut().enumerate().filter(|(at, _)| at % stride < size.0) {
@@ -143,7 +145,7 @@ mod tests {
             let near: Vec<Rgb> = near(light, layer, [x, y]).map(|(_, light)| light).collect();
             let least = near.iter().fold(Rgb::INFINITY, |all, one| all.min(*one));
             let most = near.iter().fold(Rgb::NEG_INFINITY, |all, one| all.max(*one));
-            let mut found = [(); 2].map(|()| Planes::new((light.width, 1), light.count));
+            let mut found = [(); 2].map(|()| Planes::unset(light.memory(), (light.width, 1), light.count));
             bounds(light, y..y + 1, &mut found);
             assert_eq!(found.map(|bound| bound.light(layer, [x, 0])), [least, most]);
         });

@@ -4,6 +4,7 @@
 //! neighbours in a row are neighbours in memory and lanes hold eight of them, and rows are written in parallel.
 
 use super::super::Film;
+use super::memory::{Held, Memory};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -18,19 +19,41 @@ pub struct Planes {
     pub stride: usize,
     /// The number of planes.
     pub count: usize,
-    data: Vec<f32>,
+    data: Held<f32>,
 }
 
 impl Planes {
     /// Zeros.
-    pub fn new((width, height): (usize, usize), count: usize) -> Self {
+    pub fn zeros(memory: &Memory, (width, height): (usize, usize), count: usize) -> Self {
         let stride = width.next_multiple_of(COLUMN);
-        Self { width, height, stride, count, data: vec![0.0; stride * height * count] }
+        Self { width, height, stride, count, data: memory.zeros(stride * height * count) }
+    }
+
+    /// Any numbers, all of which are to be overwritten, also in the padding.
+    pub fn unset(memory: &Memory, (width, height): (usize, usize), count: usize) -> Self {
+        let stride = width.next_multiple_of(COLUMN);
+        let mut data = memory.unset(stride * height * count);
+        // So tests show what is read before it is written.
+        if cfg!(test) {
+            data.fill(f32::NAN);
+        }
+        Self { width, height, stride, count, data }
+    }
+
+    /// [`Planes::unset`] of the same size, where this one has its memory.
+    pub fn unset_like(&self, count: usize) -> Self {
+        Self::unset(self.memory(), self.size(), count)
+    }
+
+    /// Where these planes have their memory.
+    pub fn memory(&self) -> &Memory {
+        self.data.memory()
     }
 
     /// Layers of a film, of light or of AOVs: three channels each.
-    pub fn of_film(film: &Film, layers: Range<usize>) -> Self {
-        let mut planes = Self::new((film.width as usize, film.height as usize), 3 * layers.len());
+    pub fn of_film(memory: &Memory, film: &Film, layers: Range<usize>) -> Self {
+        let size = (film.width as usize, film.height as usize);
+        let mut planes = Self::unset(memory, size, 3 * layers.len());
         let lines = planes.par_lines_mut().enumerate();
         lines.for_each(|(y, line)| read_line(film, layers.clone(), y, line));
         planes
@@ -38,7 +61,7 @@ impl Planes {
 
     /// The channels of a layer, as planes of their own.
     pub fn layer(&self, layer: usize) -> Self {
-        let mut planes = Self::new(self.size(), 3);
+        let mut planes = self.unset_like(3);
         planes.par_lines_mut().enumerate().for_each(|(y, line)| {
             for (channel, into) in self.channels(layer, y).into_iter().zip(line.chunks_exact_mut(self.stride))
             {
@@ -97,7 +120,7 @@ impl Planes {
     }
 }
 
-/// Reads layers of a row of a film, three channels each.
+/// Reads layers of a row of a film, three channels each. The padding becomes zero.
 pub fn read_line(film: &Film, layers: Range<usize>, y: usize, line: &mut [f32]) {
     let (width, all, stride) = (film.width as usize, film.layers(), line.len() / (3 * layers.len()));
     let pixels = &film.data[y * width * all..][..width * all];
@@ -105,6 +128,9 @@ pub fn read_line(film: &Film, layers: Range<usize>, y: usize, line: &mut [f32]) 
         let [red, green, blue] = channels_mut(light, stride);
         for (x, pixel) in pixels.chunks_exact(all).enumerate() {
             [red[x], green[x], blue[x]] = pixel[layer].to_array();
+        }
+        for channel in [red, green, blue] {
+            channel[width..].fill(0.0);
         }
     }
 }

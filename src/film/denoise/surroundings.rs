@@ -26,7 +26,7 @@ fn own_weight(reach: usize) -> f32 {
 /// be negative by chance; that of the samples is at least 0.
 pub fn surroundings(measured: &Measured, candidates: usize) -> Planes {
     let (width, height) = measured.planes().size();
-    let mut means = Planes::new((width, height), candidates);
+    let mut means = measured.planes().unset_like(candidates);
     let stride = means.stride;
     let in_rows: Vec<f32> = (0..stride).map(|x| weights(x.min(width - 1), width)).collect();
     means.par_lines_mut().enumerate().for_each(|(y, line)| {

@@ -32,13 +32,14 @@ impl Films {
 
     /// The film with neighbours, whose pixels see the same as those so many columns to the right.
     fn denoise_with(&self, others: &[(Films, usize)]) -> Film {
+        let memory = Memory::default();
         let others: Vec<(Halves, usize)> = others.iter().map(|(films, by)| (films.halves(), *by)).collect();
         let shifted = |by: usize| {
             let place = |pixel: usize| {
                 let [x, y] = [pixel % SIZE.0 as usize, pixel / SIZE.0 as usize].map(|at| at as f64 + 0.5);
                 Some((DVec2::new(x - by as f64, y), ()))
             };
-            Reprojection::new(SIZE, place, |_, ()| true)
+            Reprojection::new(&memory, SIZE, place, |_, ()| true)
         };
         let neighbors: Vec<Neighbor> =
             others.iter().map(|(halves, by)| Neighbor { halves, reprojection: shifted(*by) }).collect();
@@ -49,7 +50,7 @@ impl Films {
 
     fn halves(&self) -> Halves {
         let [first, second, ..] = &self.0;
-        Halves::new([first.clone(), second.clone()])
+        Halves::new([first.clone(), second.clone()], &Memory::default())
     }
 
     /// The samples of both halves, without a filter.

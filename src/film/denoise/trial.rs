@@ -1,6 +1,6 @@
 //! A trial of the filter, to time it.
 
-use super::{Halves, Neighbor, Reprojection, SampleFilms, denoise};
+use super::{Halves, Memory, Neighbor, Reprojection, SampleFilms, denoise};
 use crate::base::color::Rgb;
 use crate::base::math::DVec2;
 use crate::film::{AovSet, Film};
@@ -24,19 +24,20 @@ pub fn trial(layers: usize, neighbors: usize) -> usize {
         film
     };
     let [first, second, a, b] = [0, 1, 2, 3].map(film);
-    let halves = Halves::new([first, second]);
+    let memory = Memory::default();
+    let halves = Halves::new([first, second], &memory);
     let neighbors: Vec<Neighbor> =
-        (0..neighbors).map(|_| Neighbor { halves: &halves, reprojection: shifted() }).collect();
+        (0..neighbors).map(|_| Neighbor { halves: &halves, reprojection: shifted(&memory) }).collect();
     let film = denoise(&SampleFilms { halves: &halves, neighbors: &neighbors, audits: [&a, &b] }, 1.0);
     std::hint::black_box(&film);
     (SIZE.0 * SIZE.1) as usize
 }
 
 /// Points that lie between four pixels, which takes the most time.
-fn shifted() -> Reprojection {
+fn shifted(memory: &Memory) -> Reprojection {
     let place = |pixel: usize| {
         let [x, y] = [pixel % SIZE.0 as usize, pixel / SIZE.0 as usize].map(|place| place as f64);
         Some((DVec2::new(x, y), ()))
     };
-    Reprojection::new(SIZE, place, |_, ()| true)
+    Reprojection::new(memory, SIZE, place, |_, ()| true)
 }

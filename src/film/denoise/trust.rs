@@ -122,13 +122,14 @@ impl Sums {
 
 #[cfg(test)]
 mod tests {
+    use super::super::memory::Memory;
     use super::*;
     use crate::base::color::Rgb;
     use rayon::prelude::*;
 
     /// The changes of 64 x 64 pixels.
     fn changes(change: impl Fn(usize, usize) -> Change<f32> + Sync) -> Planes {
-        let mut changes = Planes::new((64, 64), NUMBERS);
+        let mut changes = Planes::zeros(&Memory::default(), (64, 64), NUMBERS);
         let lines = changes.par_lines_mut().enumerate();
         lines.for_each(|(y, line)| (0..64).for_each(|x| change(x, y).store(line, x)));
         changes

@@ -9,7 +9,7 @@ use super::sample_sets::FilmSet;
 use super::shared_paths::weights_of;
 use super::stages::{FilmInProgress, FilmSink, FrameError, RunProgress, Stats, TraceRequest};
 use crate::camera::path::NoCamera;
-use crate::film::denoise::{Halves, Neighbor, SampleFilms, denoise};
+use crate::film::denoise::{Halves, Memory, Neighbor, SampleFilms, denoise};
 use crate::film::{Film, LayerId};
 use crate::trace::PrimaryHits;
 use std::sync::atomic::Ordering::Relaxed;
@@ -45,8 +45,9 @@ impl<S: FilmSink> FrameLoop<S> {
         let (Ok([a, b]), [own, others @ ..]) = (<[Film; 2]>::try_from(audits), &known[..]) else {
             return Err(no_film(state));
         };
+        let memory = self.filter_memory();
         let found_in = |other: &SampledFrame| {
-            let found = own.hits.seen_by(&other.hits);
+            let found = own.hits.seen_by(&other.hits, &memory);
             // Where nothing moves, they have the same random numbers otherwise, and nothing to add.
             if self.quality.vary_noise { found } else { found.without_still() }
         };
@@ -72,8 +73,14 @@ impl<S: FilmSink> FrameLoop<S> {
         let (Ok(films), Some(hits)) = (<[Film; 2]>::try_from(films), hits) else {
             return Err(no_film(&frame.state));
         };
-        self.sampled.insert(frame, lit, SampledFrame { halves: Halves::new(films), hits });
+        let halves = Halves::new(films, &self.filter_memory());
+        self.sampled.insert(frame, lit, SampledFrame { halves, hits });
         Ok(())
+    }
+
+    /// The memory of the run's filters.
+    fn filter_memory(&self) -> Memory {
+        self.world.resource::<FilmInProgress>().memory.clone()
     }
 
     /// Traces some of the films of a frame.

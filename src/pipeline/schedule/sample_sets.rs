@@ -1,7 +1,7 @@
 //! Films of separate samples, which make one denoised film.
 
 use crate::base::stats::ProgressMeter;
-use crate::film::denoise::{Halves, SampleFilms, denoise, samples_of_audit};
+use crate::film::denoise::{Halves, Memory, SampleFilms, denoise, samples_of_audit};
 use crate::film::{AovSet, Film, Noise};
 use crate::sampling::hash;
 use crate::sequence::quality::{NoiseTarget, Quality};
@@ -30,6 +30,8 @@ pub struct SampleSets {
     part: usize,
     /// The rays of the picture's samples.
     rays: u64,
+    /// The memory of the filter.
+    memory: Memory,
 }
 
 /// What follows when a part of a frame has been traced.
@@ -67,7 +69,7 @@ const PARTS: [Part; 4] = [Part::Half(0), Part::Half(1), Part::Audit(0), Part::Au
 const LATER: Range<usize> = 1..PARTS.len();
 
 impl SampleSets {
-    pub fn new(set: FilmSet, quality: &Quality) -> Self {
+    pub fn new(set: FilmSet, quality: &Quality, memory: &Memory) -> Self {
         let all = match set {
             FilmSet::All => 0..PARTS.len(),
             FilmSet::Halves => 0..2,
@@ -75,7 +77,8 @@ impl SampleSets {
         };
         let part = all.start;
         let picture = quality.noise.map_or(quality.samples, |target| target.most.min(MIN_SAMPLES));
-        Self { films: Vec::new(), picture: picture.next_multiple_of(2), before: 0, all, part, rays: 0 }
+        let (picture, memory) = (picture.next_multiple_of(2), memory.clone());
+        Self { films: Vec::new(), picture, before: 0, all, part, rays: 0, memory }
     }
 
     /// The settings of the film that is traced now.
@@ -151,7 +154,7 @@ impl SampleSets {
     /// The denoised film of a complete round.
     fn denoised(&self, samples: f64) -> Film {
         let [first, second, a, b] = [0, 1, 2, 3].map(|part| &self.films[part]);
-        let halves = Halves::new([first.clone(), second.clone()]);
+        let halves = Halves::new([first.clone(), second.clone()], &self.memory);
         denoise(&SampleFilms { halves: &halves, neighbors: &[], audits: [a, b] }, samples)
     }
 

@@ -6,6 +6,7 @@ use crate::base::stats::{Counts, ProgressMeter};
 use crate::camera::Camera;
 use crate::camera::path::NoCamera;
 use crate::encode::EncodeError;
+use crate::film::denoise::Memory;
 use crate::film::{Film, lit};
 use crate::import::series::StepError;
 use crate::scene::top_level::{Bvh, BvhUpdate};
@@ -167,6 +168,8 @@ pub struct FilmInProgress {
     /// Films that are to be denoised later, and what their pixels see.
     pub sampled: Vec<Film>,
     pub hits: Option<PrimaryHits>,
+    /// The memory of filters, for one frame after the other.
+    pub memory: Memory,
 }
 
 impl FilmInProgress {
@@ -301,7 +304,11 @@ pub fn trace_frame(
     };
     let (settings, mut sets) = (&settings.0, in_progress.sets.take());
     if sets.is_none() && in_progress.rounds.is_none() && is_denoised(&scene, settings, current.0) {
-        sets = Some(SampleSets::new(request.films.unwrap_or(FilmSet::All), &settings.quality));
+        sets = Some(SampleSets::new(
+            request.films.unwrap_or(FilmSet::All),
+            &settings.quality,
+            &in_progress.memory,
+        ));
     }
     if request.films == Some(FilmSet::Halves) && current.0.index == current.0.of / 2 {
         in_progress.hits.get_or_insert_with(|| PrimaryHits::find(&scene, &bvh.0, settings));

@@ -35,8 +35,9 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    pub fn new(size: (usize, usize)) -> Self {
-        Self { measured: Planes::new(size, PLANES) }
+    /// For pictures of the size of `light`.
+    pub fn new(light: &Planes) -> Self {
+        Self { measured: Planes::zeros(light.memory(), light.size(), PLANES) }
     }
 
     /// The weights of a neighbour at each pixel, relative to that of the picture's own samples: a plane. `own` is the
@@ -57,7 +58,7 @@ impl Agreement {
             let own = own.map(|light| light.channels(place, y));
             dispatch(Compare { own, theirs: theirs.map(|light| light.channels(0, y)), floor, stride, line });
         });
-        let mut weights = Planes::new(measured.size(), 1);
+        let mut weights = measured.unset_like(1);
         weights.par_lines_mut().enumerate().for_each_init(
             || (Sums::new(stride), vec![0.0; AROUND.len() * stride]),
             |(sums, around), (y, weights)| {

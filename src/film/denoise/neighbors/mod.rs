@@ -10,7 +10,7 @@ mod pool;
 mod reprojection;
 
 pub use pool::Pooled;
-pub use reprojection::Reprojection;
+pub use reprojection::{Reprojection, Taps};
 
 use super::halves::Halves;
 

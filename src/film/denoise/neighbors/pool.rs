@@ -18,8 +18,9 @@ pub struct Pooled {
     /// Guides at which fits are evaluated, if they differ from those of the picture: pooled where neighbours see a point
     /// through the same pixel. Elsewhere, those of neighbours are interpolated, so pooled ones would blur.
     pub shown: Option<[Guides; 2]>,
-    /// What the neighbours weigh that see a point through the same pixel. The picture's own samples weigh 1.
-    pub still: Planes,
+    /// What the neighbours weigh that see a point through the same pixel, if there are any. The picture's own samples
+    /// weigh 1.
+    pub still: Option<Planes>,
 }
 
 /// What the samples of a neighbour weigh at each pixel, relative to that of the picture's own samples: a plane.
@@ -41,8 +42,8 @@ impl Pooled {
         let mut light = dimmed.map(|light| light.layer(place));
         // One neighbour after the other is seen in the same memory.
         let size = dimmed[0].size();
-        let mut seen = [(); 2].map(|()| Planes::new(size, 3));
-        let mut agreement = Agreement::new(size);
+        let mut seen = [(); 2].map(|()| Planes::zeros(halves.memory(), size, 3));
+        let mut agreement = Agreement::new(dimmed[0]);
         let mut all = Vec::with_capacity(neighbors.len());
         for neighbor in neighbors {
             let Neighbor { halves: theirs, reprojection: by } = neighbor;
@@ -61,9 +62,9 @@ impl Pooled {
                 })
             })
         };
-        let is_still = all.iter().any(|one| one.neighbor.reprojection.is_partly_still);
-        let shown = is_still.then(|| pooled(|taps| taps.is_still));
-        Self { light, guides: pooled(|_| true), shown, still: still(&all, size) }
+        let still = still(&all);
+        let shown = still.is_some().then(|| pooled(|taps| taps.is_still));
+        Self { light, guides: pooled(|_| true), shown, still }
     }
 }
 
@@ -135,10 +136,11 @@ fn pooled_guides(
     sums.map(|sum| sum / total)
 }
 
-/// What neighbours weigh at points that the same pixel sees.
-fn still(all: &[WeightedNeighbor], size: (usize, usize)) -> Planes {
-    let mut still = Planes::new(size, 1);
-    let partly = all.iter().filter(|one| one.neighbor.reprojection.is_partly_still);
+/// What neighbours weigh at points that the same pixel sees, if there are any.
+fn still(all: &[WeightedNeighbor]) -> Option<Planes> {
+    let mut partly = all.iter().filter(|one| one.neighbor.reprojection.is_partly_still).peekable();
+    let first = partly.peek()?;
+    let mut still = Planes::zeros(first.weights.memory(), first.weights.size(), 1);
     for WeightedNeighbor { neighbor, weights } in partly {
         still.par_lines_mut().enumerate().for_each(|(y, line)| {
             let pixels = weights.row(0, y).iter().zip(neighbor.reprojection.row(y));
@@ -147,5 +149,5 @@ fn still(all: &[WeightedNeighbor], size: (usize, usize)) -> Planes {
             }
         });
     }
-    still
+    Some(still)
 }

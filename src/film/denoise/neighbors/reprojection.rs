@@ -1,5 +1,6 @@
 //! Where another film of the same size sees the points that the pixels of a film see.
 
+use super::super::memory::{Held, Memory};
 use crate::base::math::DVec2;
 use rayon::prelude::*;
 
@@ -8,11 +9,11 @@ use rayon::prelude::*;
 const CENTERED: f64 = 1e-3;
 
 /// For each pixel of a film, the pixels of another film around the same point.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 #[warn(missing_docs)]
 pub struct Reprojection {
     width: usize,
-    taps: Vec<Taps>,
+    taps: Held<Taps>,
     /// Whether any point is seen by the same pixel.
     pub(super) is_partly_still: bool,
 }
@@ -20,7 +21,7 @@ pub struct Reprojection {
 /// Four pixels, weighted as in bilinear interpolation. Those that see something else have no weight; the weights of the
 /// others add up to 1. All are 0 if the point is not seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Taps {
+pub struct Taps {
     /// The column on the left and the row above. Those on the right and below follow, as far as there are any.
     pub column: u32,
     pub row: u32,
@@ -54,16 +55,18 @@ impl Reprojection {
 
     /// `find` gives what a pixel sees, and the position at which the other film sees it, in pixels from the left and from
     /// the top: none if it is behind the other camera. `sees` decides whether a pixel of the other film sees that point.
-    /// Pixels are counted row by row.
+    /// Pixels are counted row by row. It has its memory from `memory`.
     pub fn new<P>(
+        memory: &Memory,
         size: (u32, u32),
         find: impl Fn(usize) -> Option<(DVec2, P)> + Sync,
         sees: impl Fn(usize, &P) -> bool + Sync,
     ) -> Self {
         let width = size.0 as usize;
-        let mut taps = vec![Taps::default(); width * size.1 as usize];
+        let mut taps = memory.unset::<Taps>(width * size.1 as usize);
         taps.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(y, row)| {
             for (x, taps) in row.iter_mut().enumerate() {
+                *taps = Taps::default();
                 if let Some((at, point)) = find(y * width + x)
                     && let Some(found) = taps_at(size, at, |pixel| sees(pixel, &point))
                 {
@@ -160,7 +163,7 @@ mod tests {
             let find = |pixel: usize| {
                 Some((DVec2::new((pixel % 4) as f64 + 0.5 + by, (pixel / 4) as f64 + 0.5), ()))
             };
-            Reprojection::new((4, 3), find, |_, ()| true)
+            Reprojection::new(&Memory::default(), (4, 3), find, |_, ()| true)
         };
         assert!(shifted(0.0).taps.iter().all(|taps| taps.is_still));
         assert!(!shifted(1.0).is_partly_still && !shifted(0.25).is_partly_still);

@@ -38,7 +38,7 @@ const BATCH: usize = 4 * COLUMN;
 /// Fits all layers of light to guides at the first scales. The fits are evaluated at the guides `shown`. A fit stays
 /// between the least and the greatest light around its pixel.
 pub fn fit<const COUNT: usize>(guides: &Guides, shown: &Guides, light: &Planes) -> [Planes; COUNT] {
-    let mut fitted = [(); COUNT].map(|()| Planes::new(light.size(), light.count));
+    let mut fitted = [(); COUNT].map(|()| light.unset_like(light.count));
     let mut batches: Vec<Vec<&mut [f32]>> =
         (0..light.height.div_ceil(BATCH)).map(|_| Vec::with_capacity(COUNT)).collect();
     for planes in &mut fitted {
@@ -68,7 +68,7 @@ impl Workspace {
         let (columns, channels) = (Columns::new(light.width), light.count);
         let rows = light.height.min(BATCH);
         Self {
-            bounds: [(); 2].map(|()| Planes::new((light.width, rows), channels)),
+            bounds: [(); 2].map(|()| Planes::unset(light.memory(), (light.width, rows), channels)),
             light: LightRows::new(columns, channels),
             scales: (0..scales).map(|scale| Scale::new(columns, 2 << scale, channels)).collect(),
         }

@@ -1,4 +1,5 @@
 use super::super::guides::{COUNT, POSITION, guides_of};
+use super::super::memory::Memory;
 use super::*;
 use crate::base::color::Rgb;
 use crate::film::{AovSet, Film};
@@ -58,9 +59,10 @@ fn fits_are_least_squares_in_each_window() {
     for size in [(37, 21), (16, 70), (1, 3), (128, 5), (150, 40)] {
         let film = noise(size);
         let (width, height) = (size.0 as usize, size.1 as usize);
-        let light = Planes::of_film(&film, 0..2);
-        let guides = Guides::new(light.size(), &guides_of(&film));
-        let mut range = [(); 2].map(|()| Planes::new((width, height), light.count));
+        let memory = Memory::default();
+        let light = Planes::of_film(&memory, &film, 0..2);
+        let guides = Guides::new(&memory, light.size(), &guides_of(&film));
+        let mut range = [(); 2].map(|()| light.unset_like(light.count));
         bounds(&light, 0..height, &mut range);
         let [least, most] = range;
         let at = |x: usize, y: usize| -> Vec<f64> {

@@ -1,0 +1,197 @@
+//! Memory that filters use again.
+//!
+//! The system makes new memory page by page, which takes longer than most steps of a filter need to fill it. So planes give
+//! theirs back when they are dropped, and those of the next step and of the next frame have it.
+
+use super::neighbors::Taps;
+use std::fmt;
+use std::mem::take;
+use std::ops::{Deref, DerefMut};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Memory for the filters of a run. Clones share it.
+///
+/// It never holds more than the filters of two frames have used: [`Memory::settle`] frees what one did not need.
+#[derive(Clone, Default)]
+pub struct Memory(Arc<Shelves>);
+
+#[derive(Default)]
+struct Shelves {
+    numbers: Shelf<f32>,
+    taps: Shelf<Taps>,
+}
+
+/// Memory for one type of entries that nothing uses now.
+pub struct Shelf<T>(Mutex<Vec<Free<T>>>);
+
+struct Free<T> {
+    data: Vec<T>,
+    /// Whether anything has used it since `settle`.
+    is_needed: bool,
+}
+
+/// Types of entries.
+pub trait Entry: Copy + Default {
+    fn shelf(memory: &Memory) -> &Shelf<Self>;
+}
+
+impl Entry for f32 {
+    fn shelf(memory: &Memory) -> &Shelf<Self> {
+        &memory.0.numbers
+    }
+}
+
+impl Entry for Taps {
+    fn shelf(memory: &Memory) -> &Shelf<Self> {
+        &memory.0.taps
+    }
+}
+
+impl<T> Default for Shelf<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T: Copy + Default> Shelf<T> {
+    /// The least memory for so many entries, without what is far too large.
+    fn find(&self, count: usize) -> Option<Vec<T>> {
+        let mut all = self.all();
+        let fits = |free: &&(usize, usize)| (count..=2 * count).contains(&free.1);
+        let sizes: Vec<(usize, usize)> = all.iter().map(|free| free.data.len()).enumerate().collect();
+        let (index, _) = sizes.iter().filter(fits).min_by_key(|(_, size)| *size)?;
+        Some(all.swap_remove(*index).data)
+    }
+
+    fn give_back(&self, data: Vec<T>) {
+        self.all().push(Free { data, is_needed: true });
+    }
+
+    fn settle(&self) {
+        let mut all = self.all();
+        all.retain(|free| free.is_needed);
+        all.iter_mut().for_each(|free| free.is_needed = false);
+    }
+
+    /// A panic elsewhere leaves no entry half done.
+    fn all(&self) -> impl DerefMut<Target = Vec<Free<T>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Memory {
+    /// Frees what nothing has used since the last call. Called after each frame, it leaves what one frame needs.
+    pub(super) fn settle(&self) {
+        self.0.numbers.settle();
+        self.0.taps.settle();
+    }
+
+    /// Zeros.
+    pub(super) fn zeros(&self, count: usize) -> Held<f32> {
+        match f32::shelf(self).find(count) {
+            Some(mut data) => {
+                data[..count].fill(0.0);
+                Held { data, count, memory: self.clone() }
+            }
+            None => Held { data: vec![0.0; count], count, memory: self.clone() },
+        }
+    }
+
+    /// Entries of any value, all of which are to be overwritten.
+    pub(super) fn unset<T: Entry>(&self, count: usize) -> Held<T> {
+        let data = T::shelf(self).find(count).unwrap_or_else(|| vec![T::default(); count]);
+        Held { data, count, memory: self.clone() }
+    }
+}
+
+impl fmt::Debug for Memory {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("Memory")
+    }
+}
+
+/// Entries in such memory, which gets it back when they are dropped.
+pub struct Held<T: Entry> {
+    data: Vec<T>,
+    count: usize,
+    memory: Memory,
+}
+
+impl<T: Entry> Held<T> {
+    /// Where others get memory.
+    pub fn memory(&self) -> &Memory {
+        &self.memory
+    }
+}
+
+impl<T: Entry> Deref for Held<T> {
+    type Target = [T];
+
+    #[inline(always)]
+    fn deref(&self) -> &[T] {
+        &self.data[..self.count]
+    }
+}
+
+impl<T: Entry> DerefMut for Held<T> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [T] {
+        &mut self.data[..self.count]
+    }
+}
+
+impl<T: Entry> Drop for Held<T> {
+    fn drop(&mut self) {
+        T::shelf(&self.memory).give_back(take(&mut self.data));
+    }
+}
+
+impl<T: Entry + PartialEq> PartialEq for Held<T> {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+impl<T: Entry + fmt::Debug> fmt::Debug for Held<T> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_list().entries(self.iter()).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The entries of what is free.
+    fn free(memory: &Memory) -> Vec<usize> {
+        memory.0.numbers.all().iter().map(|free| free.data.len()).collect()
+    }
+
+    #[test]
+    fn memory_is_used_again() {
+        let memory = Memory::default();
+        let mut first = memory.zeros(100);
+        first.fill(1.0);
+        let (_second, address) = (memory.zeros(100), first.as_ptr());
+        drop(first);
+        assert_eq!(free(&memory), [100]);
+        let again = memory.zeros(60);
+        assert_eq!((again.as_ptr(), again.len()), (address, 60));
+        assert!(again.iter().all(|number| *number == 0.0));
+        drop(again);
+        // Neither too little nor far too much.
+        for count in [101, 49] {
+            assert_ne!(memory.unset::<f32>(count).as_ptr(), address);
+        }
+    }
+
+    #[test]
+    fn what_no_frame_needs_is_freed() {
+        let memory = Memory::default();
+        drop([memory.zeros(10), memory.zeros(100)]);
+        memory.settle();
+        drop(memory.zeros(10));
+        memory.settle();
+        assert_eq!(free(&memory), [10]);
+    }
+}
