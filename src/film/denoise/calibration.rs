@@ -65,12 +65,18 @@ impl SimdKernel for SumRow<'_> {
     fn run<L: Level>(self) -> Sums<f64> {
         let Self { candidates, measured, around, y } = self;
         let (samples, zero) = (around.row(0, y), L::F32::splat(0.0));
+        let mut errors = [[&[][..]; CANDIDATES]; 2];
+        for (by, errors) in [By::Audits, By::Halves].into_iter().zip(&mut errors) {
+            for (candidate, row) in errors.iter_mut().enumerate().take(candidates.count()) {
+                *row = measured.row(by, candidate, y);
+            }
+        }
         let mut sums = [[L::F64::splat(0.0); CANDIDATES]; 2];
         for x in (0..samples.len()).step_by(L::F32::LANES) {
             let outlier = is_detail(candidates.difference(1, x), L::F32::load(samples, x));
             for candidate in 0..candidates.count() {
-                for (by, sums) in [By::Audits, By::Halves].into_iter().zip(&mut sums) {
-                    let error = L::F32::load(measured.row(by, candidate, y), x);
+                for (errors, sums) in errors.iter().zip(&mut sums) {
+                    let error = L::F32::load(errors[candidate], x);
                     sums[candidate] = sums[candidate] + L::F32::select(outlier, zero, error).to_f64();
                 }
             }

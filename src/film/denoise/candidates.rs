@@ -26,8 +26,8 @@ pub const CANDIDATES: usize = ALONE + 1 + POOLED_SCALES;
 
 /// Bytes per pixel of the candidates of both halves, and what they become.
 pub fn bytes_of_pixel(layers: u64) -> u64 {
-    // Without the samples without outliers, which are there before; while they are dimmed, each light has its brightness.
-    let light = (ALONE - 1) * size_of::<Rgb>() + size_of::<f32>();
+    // The memory of the brightness by which light is dimmed may be too small for anything else.
+    let light = ALONE * size_of::<Rgb>() + size_of::<f32>();
     2 * layers * light as u64
 }
 
@@ -40,6 +40,8 @@ pub const BYTES_OF_POOLED: u64 =
 pub struct Candidates<'a> {
     halves: &'a Halves,
     samples: [Planes; 2],
+    /// The light without outliers.
+    dimmed: [Planes; 2],
     guides: [Guides; 2],
     /// Per half: the fits of all scales to its light without outliers.
     fits: [[Planes; SCALES]; 2],
@@ -51,15 +53,13 @@ impl<'a> Candidates<'a> {
     /// The fits have the guides of the other half. With their own, fits would follow what random numbers have in common
     /// in guides and light: in glass, samples that are reflected and samples that are not see other surfaces.
     pub fn new(halves: &'a Halves) -> Self {
-        let (memory, size) = (halves.memory(), halves.dimmed[0].size());
-        let [first, second] = &halves.guides;
-        let guides: [Guides; 2] =
-            rayon::join(|| Guides::new(memory, size, first), || Guides::new(memory, size, second)).into();
-        let [a, b] = &halves.dimmed;
+        let (memory, size) = (halves.memory(), halves.size());
+        let (dimmed, guides) = rayon::join(|| halves.dimmed(), || Guides::new(size, &halves.guides));
+        let [a, b] = &dimmed;
         let fits = rayon::join(|| fit(&guides[1], &guides[1], a), || fit(&guides[0], &guides[0], b)).into();
         let samples = halves.films.each_ref().map(|film| Planes::of_film(memory, film, 0..film.held.len()));
-        let floors = (0..halves.film().held.len()).map(|layer| floor(halves, layer)).collect();
-        Self { halves, samples, guides, fits, floors }
+        let floors = (0..halves.film().held.len()).map(|layer| floor(&dimmed, layer)).collect();
+        Self { halves, samples, dimmed, guides, fits, floors }
     }
 
     /// The candidates of a layer, with those from the samples of neighbours, if there are any.
@@ -68,7 +68,7 @@ impl<'a> Candidates<'a> {
             let id = self.halves.film().held[layer];
             let of_layer = (id, layer, self.floors[layer]);
             let Pooled { light, guides, shown, still } =
-                Pooled::new(self.halves, self.guides.each_ref(), neighbors, of_layer);
+                Pooled::new((self.halves, &self.dimmed), self.guides.each_ref(), neighbors, of_layer);
             let [a, b] = &light;
             let shown = shown.as_ref().unwrap_or(&self.guides);
             let fits = rayon::join(|| fit(&guides[1], &shown[1], a), || fit(&guides[0], &shown[0], b)).into();
@@ -83,14 +83,14 @@ impl<'a> Candidates<'a> {
 }
 
 /// What is added to the square of a pixel's light in a layer.
-fn floor(halves: &Halves, layer: usize) -> f32 {
+fn floor(dimmed: &[Planes; 2], layer: usize) -> f32 {
     let light = |half: &Planes, y: usize| -> f64 {
         let [red, green, blue] = half.channels(layer, y);
         let pixels = red.iter().zip(green).zip(blue);
         pixels.map(|((red, green), blue)| f64::from(red + green + blue)).sum()
     };
-    let (width, height) = halves.dimmed[0].size();
-    let rows = (0..height).flat_map(|y| halves.dimmed.each_ref().map(|half| light(half, y)));
+    let (width, height) = dimmed[0].size();
+    let rows = (0..height).flat_map(|y| dimmed.each_ref().map(|half| light(half, y)));
     let dark = DARK * rows.sum::<f64>() / (2.0 * width as f64 * height as f64);
     (dark * dark) as f32
 }
@@ -144,7 +144,7 @@ impl LayerCandidates<'_> {
         let Self { all, layer, pooled } = self;
         match (candidate, pooled) {
             (0, _) => all.samples[half].channels(*layer, y),
-            (1, _) => all.halves.dimmed[half].channels(*layer, y),
+            (1, _) => all.dimmed[half].channels(*layer, y),
             (2..ALONE, _) => all.fits[half][candidate - 2].channels(*layer, y),
             (ALONE, Some(pooled)) => pooled.light[half].channels(0, y),
             (_, Some(pooled)) => pooled.fits[half][candidate - ALONE - 1].channels(0, y),

@@ -1,7 +1,7 @@
 //! What the light of a pixel is fitted to.
 
 use super::super::Film;
-use super::columns::Columns;
+use super::columns::{Columns, LANES};
 use super::memory::{Held, Memory};
 use super::planes::COLUMN;
 use crate::base::lanes::{Real, Row, Single};
@@ -17,8 +17,14 @@ pub const POSITION: usize = 7;
 /// The last guide before positions.
 const CLOSENESS: usize = POSITION - 1;
 
-/// The guides of a pixel without positions, and a zero that fills lanes. Closeness has no unit yet.
-pub type PixelGuides = [f32; 8];
+/// Numbers of a pixel in one half: the guides without positions, and a zero that fills lanes. Closeness has no unit yet.
+pub const OF_HALF: usize = POSITION + 1;
+
+/// The guides of a pixel in both halves, so that they are read at once.
+pub const OF_PIXEL: usize = 2 * OF_HALF;
+
+/// The pixels of a block.
+const BLOCK: usize = COLUMN * LANES;
 
 /// The number of features of a pixel: 1, and its guides. A linear function of the guides with a constant is a linear
 /// form of the features.
@@ -29,7 +35,7 @@ pub struct Guides {
     columns: Columns,
     /// By what closeness is multiplied.
     unit: f32,
-    height: usize,
+    pub height: usize,
     /// Per row: the guides without positions.
     values: Held<f32>,
     /// For a row: 1 in the picture and 0 beside it, and the positions along it.
@@ -40,92 +46,144 @@ impl Guides {
     /// Positions are the same in all rows.
     pub const BYTES_PER_PIXEL: u64 = size_of::<[f32; POSITION]>() as u64;
 
-    /// Those of a picture of this size. Closeness is 1 over the distance, which is linear in the position on planes,
+    /// Those of both halves of a picture. Closeness is 1 over the distance, which is linear in the position on planes,
     /// relative to its mean over the picture.
-    pub fn new(memory: &Memory, (width, height): (usize, usize), pixels: &[PixelGuides]) -> Self {
-        let unit = unit_of_closeness(pixels);
-        Self::of_pixels(memory, (width, height), unit, |[x, y]| pixels[y * width + x])
+    pub fn new(size: (usize, usize), pixels: &Held<f32>) -> [Self; 2] {
+        let all = pixels.as_chunks::<OF_PIXEL>().0;
+        let units = units_of_closeness(all);
+        Self::of_blocks(pixels.memory(), size, units, |[x, y], into| {
+            Some(&all[y * size.0 + x..][..into.len()])
+        })
     }
 
-    /// Others of a picture of the same size, whose closeness has the same unit.
-    pub fn with(&self, width: usize, read: impl Fn([usize; 2]) -> PixelGuides + Sync) -> Self {
-        Self::of_pixels(self.values.memory(), (width, self.height), self.unit, read)
+    /// Others of a picture of the same size, whose closeness has the same unit. `write` writes those of some pixels from one
+    /// on, given its column and row.
+    pub fn others(
+        both: [&Self; 2],
+        width: usize,
+        write: impl Fn([usize; 2], &mut [[f32; OF_PIXEL]]) + Sync,
+    ) -> [Self; 2] {
+        let [first, second] = both;
+        let (size, units) = ((width, first.height), [first.unit, second.unit]);
+        Self::of_blocks(first.values.memory(), size, units, |pixel, into| {
+            write(pixel, into);
+            None
+        })
     }
 
-    fn of_pixels(
+    /// `read` gives those of some pixels from one on, or writes them.
+    fn of_blocks<'a>(
         memory: &Memory,
         (width, height): (usize, usize),
-        unit: f32,
-        read: impl Fn([usize; 2]) -> PixelGuides + Sync,
-    ) -> Self {
+        units: [f32; 2],
+        read: impl Fn([usize; 2], &mut [[f32; OF_PIXEL]]) -> Option<&'a [[f32; OF_PIXEL]]> + Sync,
+    ) -> [Self; 2] {
         let columns = Columns::new(width);
-        let mut values = memory.zeros(height * POSITION * columns.of_row());
-        let rows = values.par_chunks_exact_mut(POSITION * columns.of_row()).enumerate();
-        rows.for_each_init(
-            || vec![0.0; POSITION * columns.pixels()],
-            |row, (y, values)| {
-                for x in 0..width {
-                    let mut guides = read([x, y]);
-                    guides[CLOSENESS] = finite(guides[CLOSENESS] * unit);
-                    let into = row[x..].iter_mut().step_by(columns.pixels());
-                    into.zip(guides).for_each(|(into, guide)| *into = guide);
-                }
-                let guides = row.chunks_exact(columns.pixels());
-                for (guide, values) in guides.zip(values.chunks_exact_mut(columns.of_row())) {
-                    columns.spread(guide, values);
+        let of_row = POSITION * columns.of_row();
+        let mut values = [(); 2].map(|()| memory.unset(height * of_row));
+        let [first, second] = &mut values;
+        let rows = first.par_chunks_exact_mut(of_row).zip(second.par_chunks_exact_mut(of_row));
+        rows.enumerate().for_each_init(
+            || [[0.0; OF_PIXEL]; BLOCK],
+            |pixels, (y, (first, second))| {
+                let blocks = first.as_chunks_mut::<{ POSITION * BLOCK }>().0.iter_mut();
+                let blocks = blocks.zip(second.as_chunks_mut::<{ POSITION * BLOCK }>().0);
+                for (x, (first, second)) in (0..).step_by(BLOCK).zip(blocks) {
+                    let written = &mut pixels[..BLOCK.min(width - x)];
+                    let pixels = read([x, y], written).unwrap_or(written);
+                    spread(pixels, (0, units[0]), first);
+                    spread(pixels, (1, units[1]), second);
                 }
             },
         );
         let mut row = vec![0.0; 2 * columns.of_row()];
-        let (inside, along) = row.split_at_mut(columns.of_row());
         let places = |number: fn(usize) -> f32| {
             let mut row = vec![0.0; columns.pixels()];
             row.iter_mut().enumerate().take(width).for_each(|(x, value)| *value = number(x));
             row
         };
-        columns.spread(&places(|_| 1.0), inside);
-        columns.spread(&places(|x| x as f32), along);
-        Self { columns, unit, height, values, row }
+        columns.spread(&places(|_| 1.0), (0, 2), &mut row);
+        columns.spread(&places(|x| x as f32), (1, 2), &mut row);
+        let [first, second] = values;
+        [(first, units[0], row.clone()), (second, units[1], row)].map(|(values, unit, row)| Self {
+            columns,
+            unit,
+            height,
+            values,
+            row,
+        })
     }
 
-    /// The features of eight pixels of a row: of those at the same place in columns from `column` on. Beside the
+    /// The features of eight pixels of a row in the picture: of those at the same place in the columns of a block. Beside the
     /// picture, they are zero.
     #[inline(always)]
-    pub fn features<F: Real>(&self, y: usize, place: usize, column: usize) -> [F; FEATURES] {
-        let mut features = [F::splat(0.0); FEATURES];
-        if y < self.height {
-            let at = place * self.columns.padded + column;
-            let inside = F::F32::load(&self.row, at).to_f64();
-            features[0] = inside;
-            for guide in 0..POSITION {
-                let at = ((y * POSITION + guide) * COLUMN + place) * self.columns.padded + column;
-                features[guide + 1] = F::F32::load(&self.values, at).to_f64();
-            }
-            features[POSITION + 1] = F::F32::load(&self.row, self.columns.of_row() + at).to_f64();
-            features[POSITION + 2] = inside * F::splat(y as f64);
-        }
-        features
+    pub fn features<F: Real>(&self, y: usize, block: usize, place: usize) -> [F; FEATURES] {
+        let pixels = block * COLUMN + place;
+        let row = &self.row[2 * pixels * LANES..][..2 * LANES];
+        let values = &self.values[(y * self.columns.of_row() + pixels * LANES) * POSITION..];
+        let values = &values[..POSITION * LANES];
+        let inside = F::F32::load(row, 0).to_f64();
+        [
+            inside,
+            F::F32::load(values, 0).to_f64(),
+            F::F32::load(values, LANES).to_f64(),
+            F::F32::load(values, 2 * LANES).to_f64(),
+            F::F32::load(values, 3 * LANES).to_f64(),
+            F::F32::load(values, 4 * LANES).to_f64(),
+            F::F32::load(values, 5 * LANES).to_f64(),
+            F::F32::load(values, 6 * LANES).to_f64(),
+            F::F32::load(row, LANES).to_f64(),
+            inside * F::splat(y as f64),
+        ]
     }
 }
 
-/// The guides of the pixels of a film, row by row.
-pub fn guides_of(film: &Film) -> Vec<PixelGuides> {
-    let first = film.layers() - GUIDES;
-    let pixels = film.data.par_chunks_exact(film.layers()).with_min_len(1 << 10);
-    let guides = pixels.map(|layers| {
-        let [closeness, normal, albedo] = [0, 1, 2].map(|layer| layers[first + layer]);
-        let guides = [albedo.x, albedo.y, albedo.z, normal.x, normal.y, normal.z, closeness.x, 0.0];
-        guides.map(finite)
-    });
-    guides.collect()
+/// Spreads the guides of one half of the pixels of a block over lanes. Its closeness gets a unit.
+fn spread(pixels: &[[f32; OF_PIXEL]], (half, unit): (usize, f32), into: &mut [f32; POSITION * BLOCK]) {
+    if pixels.len() < BLOCK {
+        into.fill(0.0);
+    }
+    for (place, into) in into.as_chunks_mut::<{ POSITION * LANES }>().0.iter_mut().enumerate() {
+        for (lane, pixel) in pixels.iter().skip(place).step_by(COLUMN).enumerate() {
+            let guides = &pixel[half * OF_HALF..][..POSITION];
+            for (guide, value) in guides.iter().enumerate() {
+                into[guide * LANES + lane] = *value;
+            }
+            into[CLOSENESS * LANES + lane] = finite(guides[CLOSENESS] * unit);
+        }
+    }
 }
 
-/// By what closeness is multiplied to have the mean 1 where something is seen.
-fn unit_of_closeness(pixels: &[PixelGuides]) -> f32 {
-    let all = pixels.iter().map(|guides| f64::from(guides[CLOSENESS]));
-    let (count, sum) =
-        all.filter(|near| *near > 0.0).fold((0.0, 0.0), |(count, sum), near| (count + 1.0, sum + near));
-    if sum > 0.0 { (count / sum) as f32 } else { 0.0 }
+/// The guides of the pixels of both halves, row by row.
+pub fn guides_of(memory: &Memory, films: &[Film; 2]) -> Held<f32> {
+    let [one, _] = films;
+    let first = one.layers() - GUIDES;
+    let mut guides = memory.unset(one.width as usize * one.height as usize * OF_PIXEL);
+    let pixels = guides.as_chunks_mut::<OF_PIXEL>().0;
+    pixels.par_iter_mut().with_min_len(1 << 10).enumerate().for_each(|(pixel, into)| {
+        for (film, into) in films.iter().zip(into.as_chunks_mut::<OF_HALF>().0) {
+            let layers = film.pixel(pixel);
+            let [closeness, normal, albedo] = [0, 1, 2].map(|layer| layers[first + layer]);
+            let guides = [albedo.x, albedo.y, albedo.z, normal.x, normal.y, normal.z, closeness.x, 0.0];
+            *into = guides.map(finite);
+        }
+    });
+    guides
+}
+
+/// By what closeness is multiplied to have the mean 1 where something is seen, in both halves.
+fn units_of_closeness(pixels: &[[f32; OF_PIXEL]]) -> [f32; 2] {
+    let [mut counts, mut sums] = [[0.0; 2]; 2];
+    for pixel in pixels {
+        for half in 0..2 {
+            let near = f64::from(pixel[half * OF_HALF + CLOSENESS]);
+            if near > 0.0 {
+                counts[half] += 1.0;
+                sums[half] += near;
+            }
+        }
+    }
+    [0, 1].map(|half| if sums[half] > 0.0 { (counts[half] / sums[half]) as f32 } else { 0.0 })
 }
 
 /// Albedos of thousands and surfaces at the camera would outweigh everything else.

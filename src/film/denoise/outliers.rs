@@ -4,7 +4,7 @@
 //! spread it over its window. What is dimmed here are candidates: whether they have the smaller error is measured.
 
 use super::planes::Planes;
-use rayon::prelude::*;
+use crate::base::lanes::{Level, Row, SimdKernel, Single, dispatch};
 use std::ops::Range;
 
 /// How far around a pixel others are compared with it, in pixels.
@@ -13,35 +13,15 @@ const REACH: usize = 2;
 /// How many times as bright as the brightest pixel around it a pixel may be. Plain noise of a few samples stays below.
 const FACTOR: f32 = 2.0;
 
-/// The light of all pixels without outliers.
-pub fn dimmed(light: &Planes) -> Planes {
-    let (stride, layers) = (light.stride, light.count / 3);
-    let mut brightness = light.unset_like(layers);
-    brightness.par_lines_mut().enumerate().for_each(|(y, line)| {
-        for (layer, sums) in line.chunks_exact_mut(stride).enumerate() {
-            let [red, green, blue] = light.channels(layer, y);
-            for (x, sum) in sums.iter_mut().enumerate() {
-                *sum = red[x] + green[x] + blue[x];
-            }
-        }
-    });
-    let mut dimmed = light.unset_like(light.count);
-    dimmed.par_lines_mut().enumerate().for_each(|(y, line)| {
-        for (layer, dimmed) in line.chunks_exact_mut(3 * stride).enumerate() {
-            let mut factors = brightest_around(&brightness, layer, y);
-            for (factor, own) in factors.iter_mut().zip(brightness.row(layer, y)) {
-                let limit = FACTOR * *factor;
-                *factor = if *own > limit { limit / own } else { 1.0 };
-            }
-            for (into, channel) in dimmed.chunks_exact_mut(stride).zip(light.channels(layer, y)) {
-                for (x, factor) in factors.iter().enumerate() {
-                    into[x] = channel[x] * factor;
-                }
-                into[factors.len()..].fill(0.0);
-            }
-        }
-    });
-    dimmed
+/// By what the light of the pixels of a row is multiplied, so that none is an outlier. `brightness` has a plane for each
+/// layer: the sums over the channels.
+pub fn factors(brightness: &Planes, layer: usize, y: usize) -> Vec<f32> {
+    let mut factors = brightest_around(brightness, layer, y);
+    for (factor, own) in factors.iter_mut().zip(brightness.row(layer, y)) {
+        let limit = FACTOR * *factor;
+        *factor = if *own > limit { limit / own } else { 1.0 };
+    }
+    factors
 }
 
 /// The greatest of the numbers around each pixel of a row, itself not included, and 0.
@@ -53,7 +33,10 @@ fn brightest_around(numbers: &Planes, plane: usize, y: usize) -> Vec<f32> {
     }
     let mut columns = others.clone();
     raise(&mut columns, numbers.row(plane, y));
-    join_beside(&mut others, &columns, raise);
+    for offset in 1..=REACH.min(others.len()) {
+        raise(&mut others, &columns[offset..]);
+        raise(&mut others[offset..], &columns);
+    }
     others
 }
 
@@ -61,28 +44,59 @@ fn brightest_around(numbers: &Planes, plane: usize, y: usize) -> Vec<f32> {
 /// to the first rows of planes. A fit beyond them extrapolates: next to a lamp, it may be negative.
 pub fn bounds(light: &Planes, rows: Range<usize>, into: &mut [Planes; 2]) {
     let [least, most] = into;
-    around(light, rows.clone(), lower, least);
-    around(light, rows, raise, most);
-}
-
-/// Joins the numbers around each pixel of some rows, itself included, in every plane.
-fn around(light: &Planes, rows: Range<usize>, join: Join, into: &mut Planes) {
-    into.lines_mut().zip(rows).for_each(|(line, y)| {
-        for (plane, into) in line.chunks_exact_mut(light.stride).enumerate() {
-            let into = &mut into[..light.width];
-            into.copy_from_slice(&light.row(plane, y)[..light.width]);
-            near(y, light.height).for_each(|other| join(into, light.row(plane, other)));
-            let columns = into.to_vec();
-            join_beside(into, &columns, join);
+    let mut columns = [f32::INFINITY, f32::NEG_INFINITY].map(|none| vec![none; light.stride + 2 * MARGIN]);
+    for ((least, most), y) in least.lines_mut().zip(most.lines_mut()).zip(rows) {
+        let lines = least.chunks_exact_mut(light.stride).zip(most.chunks_exact_mut(light.stride));
+        for (plane, (least, most)) in lines.enumerate() {
+            dispatch(Bounds { light, plane, y, columns: &mut columns, least, most });
         }
-    });
+    }
 }
 
-/// Joins what is known of the columns beside each pixel of a row.
-fn join_beside(row: &mut [f32], columns: &[f32], join: Join) {
-    for offset in 1..=REACH.min(row.len()) {
-        join(row, &columns[offset..]);
-        join(&mut row[offset..], columns);
+/// What is before a row of bounds of columns, and after it: those of no column.
+const MARGIN: usize = 8;
+
+/// The bounds of the pixels of a row.
+struct Bounds<'a> {
+    light: &'a Planes,
+    plane: usize,
+    y: usize,
+    /// Memory for the least and the greatest light of columns. The margins are set.
+    columns: &'a mut [Vec<f32>; 2],
+    least: &'a mut [f32],
+    most: &'a mut [f32],
+}
+
+impl SimdKernel for Bounds<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { light, plane, y, columns: [low, high], least, most } = self;
+        let (own, near) = (light.row(plane, y), near(y, light.height));
+        for x in (0..own.len()).step_by(L::F32::LANES) {
+            let [mut lowest, mut highest] = [L::F32::load(own, x); 2];
+            for other in near.clone() {
+                let light = L::F32::load(light.row(plane, other), x);
+                (lowest, highest) = (light.min(lowest), light.max(highest));
+            }
+            lowest.store(low, MARGIN + x);
+            highest.store(high, MARGIN + x);
+        }
+        low[MARGIN + light.width..].fill(f32::INFINITY);
+        high[MARGIN + light.width..].fill(f32::NEG_INFINITY);
+        for x in (0..own.len()).step_by(L::F32::LANES) {
+            let (low, high) = (&low[x..][..3 * MARGIN], &high[x..][..3 * MARGIN]);
+            let (mut lowest, mut highest) = (L::F32::load(low, MARGIN), L::F32::load(high, MARGIN));
+            for offset in 1..=REACH {
+                for beside in [MARGIN + offset, MARGIN - offset] {
+                    lowest = L::F32::load(low, beside).min(lowest);
+                    highest = L::F32::load(high, beside).max(highest);
+                }
+            }
+            lowest.store(least, x);
+            highest.store(most, x);
+        }
     }
 }
 
@@ -91,23 +105,12 @@ fn near(place: usize, length: usize) -> Range<usize> {
     place.saturating_sub(REACH)..length.min(place + REACH + 1)
 }
 
-/// Joins numbers with others, as far as there are some.
-type Join = fn(&mut [f32], &[f32]);
-
-/// Raises numbers to others that are greater.
+/// Raises numbers to others that are greater, as far as there are some.
 fn raise(numbers: &mut [f32], others: &[f32]) {
     numbers
         .iter_mut()
         .zip(others)
         .for_each(|(number, other)| *number = if *other > *number { *other } else { *number });
-}
-
-/// Lowers numbers to others that are smaller.
-fn lower(numbers: &mut [f32], others: &[f32]) {
-    numbers
-        .iter_mut()
-        .zip(others)
-        .for_each(|(number, other)| *number = if *other < *number { *other } else { *number });
 }
 
 #[cfg(test)]
@@ -128,7 +131,7 @@ mod tests {
         for size in [(7, 6), (1, 4), (2, 1), (19, 3)] {
             let mut light = Planes::zeros(&Memory::default(), size, 6);
             let stride = light.stride;
-            light.par_lines_mut().enumerate().for_each(|(y, line)| {
+            light.lines_mut().enumerate().for_each(|(y, line)| {
                 for (at, number) in line.iter_mut().enumerate().filter(|(at, _)| at % stride < size.0) {
                     *number = ((at + 5 * y) * 37 % 84) as f32 * if (at + y) % 11 == 3 { 9.0 } else { 1.0 };
                 }
@@ -156,7 +159,13 @@ mod tests {
         for_all_pixels(|light, layer, pixel| {
             let others = near(light, layer, pixel).filter(|(other, _)| *other != pixel);
             let limit = 2.0 * others.map(|(_, light)| light.element_sum()).fold(0.0, f32::max);
-            let [own, dimmed] = [light, &dimmed(light)].map(|light| light.light(layer, pixel));
+            let own = light.light(layer, pixel);
+            let mut brightness = light.unset_like(1);
+            brightness.lines_mut().enumerate().for_each(|(y, line)| {
+                let [red, green, blue] = light.channels(layer, y);
+                line.iter_mut().enumerate().for_each(|(x, sum)| *sum = red[x] + green[x] + blue[x]);
+            });
+            let dimmed = own * factors(&brightness, 0, pixel[1])[pixel[0]];
             let factor = if own.element_sum() > limit { limit / own.element_sum() } else { 1.0 };
             assert_eq!(dimmed, own * factor);
         });

@@ -81,18 +81,6 @@ impl Planes {
         &self.data[(y * self.count + plane) * self.stride..][..self.stride]
     }
 
-    /// Where the numbers of a pixel are, given its row and column.
-    #[inline]
-    pub fn offset(&self, [y, x]: [usize; 2]) -> usize {
-        y * self.count * self.stride + x
-    }
-
-    /// A number of the pixel at an offset.
-    #[inline]
-    pub fn at_offset(&self, plane: usize, offset: usize) -> f32 {
-        self.data[offset + plane * self.stride]
-    }
-
     /// The channels of a layer of light in a row.
     pub fn channels(&self, layer: usize, y: usize) -> [&[f32]; 3] {
         [0, 1, 2].map(|channel| self.row(3 * layer + channel, y))

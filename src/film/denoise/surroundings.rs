@@ -1,7 +1,7 @@
 //! Weighted sums around each pixel, and the errors of the candidates there.
 
 use super::measured::{By, Measured};
-use super::planes::Planes;
+use super::planes::{COLUMN, Planes};
 use crate::base::lanes::{Level, Row, SimdKernel, dispatch};
 use rayon::prelude::*;
 
@@ -34,7 +34,7 @@ pub fn surroundings(measured: &Measured, candidates: usize) -> Planes {
         let mut sums = Sums::new(stride);
         for (candidate, into) in line.chunks_exact_mut(stride).enumerate() {
             let plane = Measured::plane(By::Halves, candidate);
-            sums.add((measured.planes(), plane), (y, REACH), into);
+            sums.add::<REACH>(measured.planes(), plane, y, into);
             for (sum, in_row) in into.iter_mut().zip(&in_rows) {
                 *sum /= in_row * in_column - own_weight(REACH);
             }
@@ -64,43 +64,54 @@ impl Sums {
     }
 
     /// Writes the weighted sums of the numbers of a plane around each pixel of row `y`, without the pixel itself, up to
-    /// `reach` pixels along both axes, at most seven.
-    pub fn add(&mut self, (planes, plane): (&Planes, usize), (y, reach): (usize, usize), into: &mut [f32]) {
-        dispatch(SumAround { planes, plane, y, reach, columns: &mut self.columns, into });
+    /// `REACH` pixels along both axes, at most seven.
+    pub fn add<const REACH: usize>(&mut self, planes: &Planes, plane: usize, y: usize, into: &mut [f32]) {
+        let near = y.saturating_sub(REACH)..planes.height.min(y + REACH + 1);
+        let (mut rows, mut weights) = ([&[][..]; 2 * MARGIN], [0.0; 2 * MARGIN]);
+        let count = near.len();
+        for (other, (row, weighted)) in near.zip(rows.iter_mut().zip(&mut weights)) {
+            (*row, *weighted) = (planes.row(plane, other), weight(other.abs_diff(y), REACH));
+        }
+        let (rows, weights, own) = (&rows[..count], &weights[..count], planes.row(plane, y));
+        dispatch(SumAround::<REACH> { rows, weights, own, columns: &mut self.columns, into });
     }
 }
 
-struct SumAround<'a> {
-    planes: &'a Planes,
-    plane: usize,
-    y: usize,
-    reach: usize,
+struct SumAround<'a, const REACH: usize> {
+    /// The rows that count, and their weights.
+    rows: &'a [&'a [f32]],
+    weights: &'a [f32],
+    own: &'a [f32],
     columns: &'a mut [f32],
     into: &'a mut [f32],
 }
 
-impl SimdKernel for SumAround<'_> {
+impl<const REACH: usize> SimdKernel for SumAround<'_, REACH> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { planes, plane, y, reach, columns, into } = self;
+        let Self { rows, weights, own, columns, into } = self;
         let zero = L::F32::splat(0.0);
-        for x in (0..into.len()).step_by(L::F32::LANES) {
-            let mut sum = zero;
-            for other in y.saturating_sub(reach)..planes.height.min(y + reach + 1) {
-                let weight = L::F32::splat(weight(other.abs_diff(y), reach));
-                sum = sum + weight * L::F32::load(planes.row(plane, other), x);
+        // Rows are padded to whole columns: two times eight pixels.
+        for x in (0..into.len()).step_by(COLUMN) {
+            let mut sums = [zero; 2];
+            for (row, weight) in rows.iter().zip(weights) {
+                let (row, weight) = (&row[x..][..COLUMN], L::F32::splat(*weight));
+                sums[0] = sums[0] + weight * L::F32::load(row, 0);
+                sums[1] = sums[1] + weight * L::F32::load(row, L::F32::LANES);
             }
-            sum.store(columns, MARGIN + x);
+            let columns = &mut columns[MARGIN + x..][..COLUMN];
+            sums[0].store(columns, 0);
+            sums[1].store(columns, L::F32::LANES);
         }
-        let (center, own) = (L::F32::splat(weight(0, reach)), planes.row(plane, y));
+        let center = L::F32::splat(weight(0, REACH));
         for x in (0..into.len()).step_by(L::F32::LANES) {
-            let mut sum = center * L::F32::load(columns, MARGIN + x);
-            for offset in 1..=reach {
-                let [left, right] = [MARGIN + x - offset, MARGIN + x + offset];
-                let both = L::F32::load(columns, left) + L::F32::load(columns, right);
-                sum = sum + L::F32::splat(weight(offset, reach)) * both;
+            let columns = &columns[x..][..2 * MARGIN + L::F32::LANES];
+            let mut sum = center * L::F32::load(columns, MARGIN);
+            for offset in 1..=REACH {
+                let both = L::F32::load(columns, MARGIN - offset) + L::F32::load(columns, MARGIN + offset);
+                sum = sum + L::F32::splat(weight(offset, REACH)) * both;
             }
             (sum - center * center * L::F32::load(own, x)).store(into, x);
         }

@@ -3,9 +3,11 @@
 //! It is measured around the pixel, without the pixel itself, whose samples it weights. That is not quite all: light that is
 //! interpolated, or compared with the pixels around it for outliers, shares samples with that of the next pixels.
 
-use super::super::planes::Planes;
+use super::super::halves::OF_LAYER;
+use super::super::planes::{Planes, channels};
 use super::super::surroundings::Sums;
-use super::reprojection::Reprojection;
+use super::Neighbor;
+use super::reprojection::Taps;
 use crate::base::lanes::{Color, Level, Row, Select, SimdKernel, Single, dispatch};
 use rayon::prelude::*;
 
@@ -31,50 +33,133 @@ const ERRORS: [usize; 3] = [NOISE, THEIR_NOISE, CHANGE];
 
 /// The comparison of a picture with one neighbour after the other, in the same memory.
 pub struct Agreement {
+    /// The light of both halves of the neighbour at the points of the pixels; zero where it does not see them.
+    seen: Planes,
     measured: Planes,
 }
 
 impl Agreement {
     /// For pictures of the size of `light`.
     pub fn new(light: &Planes) -> Self {
-        Self { measured: Planes::zeros(light.memory(), light.size(), PLANES) }
+        Self { seen: light.unset_like(HALVES * 3), measured: light.unset_like(PLANES) }
     }
 
-    /// The weights of a neighbour at each pixel, relative to that of the picture's own samples: a plane. `own` is the
-    /// light of both halves, of which the layer number `place` counts, and `theirs` that of the neighbour at the same
-    /// points. `floor` is added to the squared light of a pixel.
-    pub fn weights(
+    /// Compares both halves of a picture, of whose light the layer number `place` counts, with those of a neighbour and its
+    /// layer. `floor` is added to the squared light of a pixel.
+    pub fn compare(
         &mut self,
-        (own, place): ([&Planes; 2], usize),
-        theirs: [&Planes; 2],
-        by: &Reprojection,
+        (own, place): (&[Planes; 2], usize),
+        (neighbor, their_place): (&Neighbor, usize),
         floor: f32,
-    ) -> Planes {
-        let Self { measured } = self;
-        let stride = measured.stride;
-        measured.par_lines_mut().enumerate().for_each(|(y, line)| {
-            let seen = by.row(y).iter().map(|taps| if taps.is_seen() { 1.0 } else { 0.0 });
-            line[SEEN * stride..][..stride].iter_mut().zip(seen).for_each(|(into, seen)| *into = seen);
-            let own = own.map(|light| light.channels(place, y));
-            dispatch(Compare { own, theirs: theirs.map(|light| light.channels(0, y)), floor, stride, line });
+    ) {
+        let Self { seen, measured } = self;
+        let (stride, width) = (measured.stride, measured.width);
+        let Neighbor { halves, reprojection } = neighbor;
+        let from =
+            Light { numbers: &halves.dimmed, layers: halves.film().held.len(), layer: their_place, width };
+        seen.par_lines_mut().zip(measured.par_lines_mut()).enumerate().for_each(|(y, (seen, line))| {
+            dispatch(See {
+                from,
+                taps: reprojection.row(y),
+                seen,
+                is_seen: &mut line[SEEN * stride..][..stride],
+            });
+            let [c, d] = [0, 1].map(|half| channels(&seen[half * 3 * stride..][..3 * stride]));
+            let own = own.each_ref().map(|light| light.channels(place, y));
+            dispatch(Compare { own, theirs: [c, d], floor, stride, line });
         });
+    }
+
+    /// Adds the light of the neighbour to that of the picture, `sums`, and returns its weights at each pixel, relative to
+    /// that of the picture's own samples: a plane.
+    pub fn add_weighted(&self, sums: &mut [Planes; 2]) -> Planes {
+        let Self { seen, measured } = self;
+        let stride = measured.stride;
         let mut weights = measured.unset_like(1);
-        weights.par_lines_mut().enumerate().for_each_init(
-            || (Sums::new(stride), vec![0.0; AROUND.len() * stride]),
-            |(sums, around), (y, weights)| {
-                for ((plane, reach), row) in AROUND.into_iter().zip(around.chunks_exact_mut(stride)) {
-                    sums.add((measured, plane), (y, reach), row);
+        let [first, second] = sums;
+        let lines = weights.par_lines_mut().zip(first.par_lines_mut()).zip(second.par_lines_mut());
+        lines.enumerate().for_each_init(
+            || (Sums::new(stride), vec![0.0; AROUND * stride]),
+            |(sums, around), (y, ((weights, first), second))| {
+                let (far, near) = around.split_at_mut(PLANES * stride);
+                for (plane, row) in far.chunks_exact_mut(stride).enumerate() {
+                    sums.add::<FAR>(measured, plane, y, row);
                 }
-                dispatch(Weigh { seen: measured.row(SEEN, y), around, weights });
+                for (plane, row) in [SEEN, CHANGE].into_iter().zip(near.chunks_exact_mut(stride)) {
+                    sums.add::<NEAR>(measured, plane, y, row);
+                }
+                let light = [0, 1].map(|half| seen.channels(half, y));
+                dispatch(Weigh {
+                    seen: measured.row(SEEN, y),
+                    around,
+                    weights,
+                    light,
+                    sums: [first, second],
+                });
             },
         );
         weights
     }
 }
 
-/// The planes that are summed around each pixel, and how far.
-const AROUND: [(usize, usize); 6] =
-    [(SEEN, FAR), (NOISE, FAR), (THEIR_NOISE, FAR), (CHANGE, FAR), (SEEN, NEAR), (CHANGE, NEAR)];
+/// The halves of a picture.
+const HALVES: usize = 2;
+
+/// A layer of light of both halves of a picture, without outliers.
+#[derive(Clone, Copy)]
+struct Light<'a> {
+    numbers: &'a [f32],
+    layers: usize,
+    layer: usize,
+    width: usize,
+}
+
+/// Sees the points of a row of pixels.
+struct See<'a> {
+    from: Light<'a>,
+    taps: &'a [Taps],
+    seen: &'a mut [f32],
+    is_seen: &'a mut [f32],
+}
+
+impl SimdKernel for See<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { from: Light { numbers, layers, layer, width }, taps, seen, is_seen } = self;
+        let stride = is_seen.len();
+        let [a, b, c, d, e, f] = split(seen, stride);
+        for (x, taps) in taps.iter().enumerate() {
+            let mut light = L::F32::splat(0.0);
+            for (pixel, weight) in taps.pixels(width) {
+                light = light
+                    + L::F32::load(numbers, (pixel * layers + layer) * OF_LAYER) * L::F32::splat(weight);
+            }
+            let light = light.to_array();
+            [a[x], b[x], c[x]] = [light[0], light[1], light[2]];
+            [d[x], e[x], f[x]] = [light[4], light[5], light[6]];
+            is_seen[x] = if taps.is_seen() { 1.0 } else { 0.0 };
+        }
+        for row in [a, b, c, d, e, f, is_seen] {
+            row[taps.len()..].fill(0.0);
+        }
+    }
+}
+
+/// The planes of a row.
+#[inline(always)]
+fn split(line: &mut [f32], stride: usize) -> [&mut [f32]; HALVES * 3] {
+    let mut rest = line;
+    [(); HALVES * 3].map(|()| {
+        let (row, others) = std::mem::take(&mut rest).split_at_mut(stride);
+        rest = others;
+        row
+    })
+}
+
+/// The sums around each pixel: all planes from afar, and two from nearby.
+const AROUND: usize = PLANES + 2;
 
 /// Compares a row of light: of both halves of the picture, and of both halves of the neighbour.
 struct Compare<'a> {
@@ -113,12 +198,14 @@ impl SimdKernel for Compare<'_> {
     }
 }
 
-/// The weights of a row, from what has been measured around each pixel.
+/// The weights of a row, from what has been measured around each pixel, and the sums of the light with these weights.
 struct Weigh<'a> {
     seen: &'a [f32],
-    /// The rows of [`AROUND`].
+    /// Rows of sums: those of all planes, and those of what is seen and of changes nearby.
     around: &'a [f32],
     weights: &'a mut [f32],
+    light: [[&'a [f32]; 3]; HALVES],
+    sums: [&'a mut [f32]; HALVES],
 }
 
 impl SimdKernel for Weigh<'_> {
@@ -126,10 +213,10 @@ impl SimdKernel for Weigh<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { seen, around, weights } = self;
+        let Self { seen, around, weights, light, sums: [first, second] } = self;
         let (zero, stride) = (L::F32::splat(0.0), weights.len());
         for x in (0..stride).step_by(L::F32::LANES) {
-            let mut sums = [zero; AROUND.len()];
+            let mut sums = [zero; AROUND];
             for (row, sum) in sums.iter_mut().enumerate() {
                 *sum = L::F32::load(around, row * stride + x);
             }
@@ -139,7 +226,17 @@ impl SimdKernel for Weigh<'_> {
             let error = theirs + L::F32::splat(ADDED_UP) * change;
             let weight = noise / error.max(noise * L::F32::splat(1.0 / MOST));
             let is_weighted = zero.lt(L::F32::load(seen, x)) & zero.lt(noise);
-            L::F32::select(is_weighted, weight, zero).store(weights, x);
+            let weight = L::F32::select(is_weighted, weight, zero);
+            weight.store(weights, x);
+            // Without weight, light may be infinite.
+            let is_added = zero.lt(weight);
+            for channel in 0..3 {
+                let at = channel * stride + x;
+                let more = L::F32::select(is_added, L::F32::load(light[0][channel], x) * weight, zero);
+                (L::F32::load(first, at) + more).store(first, at);
+                let more = L::F32::select(is_added, L::F32::load(light[1][channel], x) * weight, zero);
+                (L::F32::load(second, at) + more).store(second, at);
+            }
         }
     }
 }

@@ -1,11 +1,11 @@
 //! The samples of a picture together with those of its neighbours.
 
-use super::super::guides::{Guides, PixelGuides};
+use super::super::guides::{Guides, OF_HALF, OF_PIXEL};
 use super::super::halves::Halves;
 use super::super::planes::Planes;
 use super::Neighbor;
 use super::agreement::Agreement;
-use super::reprojection::{Reprojection, Taps};
+use crate::base::lanes::{Level, Row, SimdKernel, dispatch};
 use crate::film::LayerId;
 use rayon::prelude::*;
 
@@ -30,72 +30,80 @@ struct WeightedNeighbor<'a> {
 }
 
 impl Pooled {
-    /// Pools the layer number `place` of a picture, whose guides are `own`. `floor` is added to the squared light of a pixel,
-    /// to which errors are relative.
+    /// Pools the layer number `place` of a picture, whose light without outliers is `dimmed` and whose guides are `own`.
+    /// `floor` is added to the squared light of a pixel, to which errors are relative.
     pub fn new(
-        halves: &Halves,
+        (halves, dimmed): (&Halves, &[Planes; 2]),
         own: [&Guides; 2],
         neighbors: &[Neighbor],
         (layer, place, floor): (LayerId, usize, f32),
     ) -> Self {
-        let dimmed = halves.dimmed.each_ref();
-        let mut light = dimmed.map(|light| light.layer(place));
-        // One neighbour after the other is seen in the same memory.
-        let size = dimmed[0].size();
-        let mut seen = [(); 2].map(|()| Planes::zeros(halves.memory(), size, 3));
-        let mut agreement = Agreement::new(dimmed[0]);
+        let mut light = dimmed.each_ref().map(|light| light.layer(place));
+        let mut agreement = Agreement::new(&dimmed[0]);
         let mut all = Vec::with_capacity(neighbors.len());
         for neighbor in neighbors {
-            let Neighbor { halves: theirs, reprojection: by } = neighbor;
-            let Some(their_place) = theirs.place_of(layer) else { continue };
-            theirs.dimmed.iter().zip(&mut seen).for_each(|(from, into)| gather(from, their_place, by, into));
-            let weights = agreement.weights((dimmed, place), seen.each_ref(), by, floor);
-            light.iter_mut().zip(&seen).for_each(|(sums, seen)| add(sums, seen, &weights));
+            let Some(their_place) = neighbor.halves.place_of(layer) else { continue };
+            agreement.compare((dimmed, place), (neighbor, their_place), floor);
+            let weights = agreement.add_weighted(&mut light);
             all.push(WeightedNeighbor { neighbor, weights });
         }
+        drop(agreement);
         light.iter_mut().for_each(|light| divide(light, &all));
-        let pooled = |when: fn(&Taps) -> bool| {
-            [0, 1].map(|half| {
-                own[half].with(size.0, |[x, y]| {
-                    let guides = halves.guides[half][y * size.0 + x];
-                    pooled_guides((guides, half), &all, [x, y], when)
-                })
-            })
-        };
         let still = still(&all);
-        let shown = still.is_some().then(|| pooled(|taps| taps.is_still));
-        Self { light, guides: pooled(|_| true), shown, still }
+        let shown = still.is_some().then(|| pooled_guides::<true>(halves, own, &all));
+        Self { light, guides: pooled_guides::<false>(halves, own, &all), shown, still }
     }
 }
 
-/// Writes a layer of a neighbour's light at the points of the pixels; zero where it does not see them.
-fn gather(from: &Planes, layer: usize, by: &Reprojection, into: &mut Planes) {
-    let stride = into.stride;
-    into.par_lines_mut().enumerate().for_each(|(y, line)| {
-        for (x, taps) in by.row(y).iter().enumerate() {
-            let mut light = [0.0; 3];
-            for (place, weight) in taps.pixels() {
-                let offset = from.offset(place);
-                for (channel, light) in (3 * layer..).zip(&mut light) {
-                    *light += from.at_offset(channel, offset) * weight;
-                }
-            }
-            line[x..].iter_mut().step_by(stride).zip(light).for_each(|(into, light)| *into = light);
-        }
-    });
+/// The guides of both halves, pooled with those of neighbours: of all, or where they see a point through the same pixel.
+fn pooled_guides<const STILL: bool>(
+    halves: &Halves,
+    own: [&Guides; 2],
+    all: &[WeightedNeighbor],
+) -> [Guides; 2] {
+    let (width, _) = halves.size();
+    Guides::others(own, width, |[x, y], into| {
+        dispatch(PoolGuides::<STILL> { own: &halves.guides, width, all, pixel: [x, y], into });
+    })
 }
 
-/// Adds light, by weights.
-fn add(sums: &mut Planes, light: &Planes, weights: &Planes) {
-    let stride = weights.stride;
-    sums.par_lines_mut().enumerate().for_each(|(y, line)| {
-        for (channel, sums) in line.chunks_exact_mut(stride).enumerate() {
-            for ((sum, light), weight) in sums.iter_mut().zip(light.row(channel, y)).zip(weights.row(0, y)) {
-                // Without weight, light may be infinite.
-                *sum += if *weight > 0.0 { light * weight } else { 0.0 };
+/// Pools the guides of some pixels of a row, from one on.
+struct PoolGuides<'a, const STILL: bool> {
+    own: &'a [f32],
+    width: usize,
+    all: &'a [WeightedNeighbor<'a>],
+    pixel: [usize; 2],
+    into: &'a mut [[f32; OF_PIXEL]],
+}
+
+impl<const STILL: bool> SimdKernel for PoolGuides<'_, STILL> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { own, width, all, pixel: [first, y], into } = self;
+        for (x, into) in (first..).zip(into) {
+            let own = &own[(y * width + x) * OF_PIXEL..][..OF_PIXEL];
+            let (mut sums, mut total) = ([L::F32::load(own, 0), L::F32::load(own, OF_HALF)], 1.0);
+            for WeightedNeighbor { neighbor: Neighbor { halves, reprojection }, weights } in all {
+                let (weight, taps) = (weights.row(0, y)[x], &reprojection.row(y)[x]);
+                if weight > 0.0 && (!STILL || taps.is_still) {
+                    let mut guides = [L::F32::splat(0.0); 2];
+                    for (pixel, share) in taps.pixels(width) {
+                        let found = &halves.guides[pixel * OF_PIXEL..][..OF_PIXEL];
+                        let share = L::F32::splat(share);
+                        guides[0] = guides[0] + L::F32::load(found, 0) * share;
+                        guides[1] = guides[1] + L::F32::load(found, OF_HALF) * share;
+                    }
+                    sums[0] = sums[0] + guides[0] * L::F32::splat(weight);
+                    sums[1] = sums[1] + guides[1] * L::F32::splat(weight);
+                    total += weight;
+                }
             }
+            (sums[0] / L::F32::splat(total)).store(into, 0);
+            (sums[1] / L::F32::splat(total)).store(into, OF_HALF);
         }
-    });
+    }
 }
 
 /// Divides sums by the sum of all weights.
@@ -110,30 +118,6 @@ fn divide(sums: &mut Planes, all: &[WeightedNeighbor]) {
             sums.iter_mut().zip(&total).for_each(|(sum, total)| *sum /= total);
         }
     });
-}
-
-/// The guides of a pixel of one of the halves, pooled with those of neighbours whose taps are chosen by `when`.
-#[inline(always)]
-fn pooled_guides(
-    (guides, half): (PixelGuides, usize),
-    all: &[WeightedNeighbor],
-    [x, y]: [usize; 2],
-    when: fn(&Taps) -> bool,
-) -> PixelGuides {
-    let (mut sums, mut total) = (guides, 1.0);
-    for WeightedNeighbor { neighbor: Neighbor { halves, reprojection }, weights } in all {
-        let (weight, taps) = (weights.row(0, y)[x], &reprojection.row(y)[x]);
-        if weight > 0.0 && when(taps) {
-            let mut guides = PixelGuides::default();
-            for ([row, column], share) in taps.pixels() {
-                let found = &halves.guides[half][row * weights.width + column];
-                guides.iter_mut().zip(found).for_each(|(guide, found)| *guide += found * share);
-            }
-            sums.iter_mut().zip(guides).for_each(|(sum, guide)| *sum += guide * weight);
-            total += weight;
-        }
-    }
-    sums.map(|sum| sum / total)
 }
 
 /// What neighbours weigh at points that the same pixel sees, if there are any.

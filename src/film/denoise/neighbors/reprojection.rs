@@ -36,16 +36,13 @@ impl Taps {
         self.weights != [0.0; 4]
     }
 
-    /// The row, the column and the weight of the pixels that count. Others may hold any light, also an infinite one, and
-    /// may be beyond the edge.
-    #[inline]
-    pub fn pixels(&self) -> impl Iterator<Item = ([usize; 2], f32)> {
-        let place = |tap: usize| [self.row as usize + tap / 2, self.column as usize + tap % 2];
-        self.weights
-            .into_iter()
-            .enumerate()
-            .filter(|(_, weight)| *weight > 0.0)
-            .map(move |(tap, weight)| (place(tap), weight))
+    /// The pixels that count, by their number in a picture of this width, and their weights. Others may hold any light, also an
+    /// infinite one, and may be beyond the edge.
+    #[inline(always)]
+    pub fn pixels(&self, width: usize) -> impl Iterator<Item = (usize, f32)> {
+        let first = self.row as usize * width + self.column as usize;
+        let pixels = [first, first + 1, first + width, first + width + 1];
+        pixels.into_iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0)
     }
 }
 

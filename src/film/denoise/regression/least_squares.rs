@@ -2,8 +2,9 @@
 
 use super::super::columns::LANES;
 use super::super::guides::{COUNT, FEATURES, POSITION};
+use super::cells::Pairs;
 use super::moments::PAIRS;
-use super::strip::Strip;
+use super::strip::{Lanes, Strip};
 use crate::base::lanes::Real;
 
 /// What is added to the variance of a guide in a window, so that guides which hardly vary in it have no influence: a
@@ -15,111 +16,107 @@ const fn entry(row: usize, column: usize) -> usize {
     row * (row + 1) / 2 + column
 }
 
-/// The fits of a row of windows, each of four cells around a corner. The windows have the places of their lower right
-/// cells.
+/// Fits the windows between two rows of cells, into an entry for each place of a column and one for the first place of the
+/// next one. Windows have the places of their lower right cells.
 #[inline(always)]
-pub fn fit_windows<F: Real>([above, below]: [&Strip; 2], cell: usize, fits: &mut Strip) {
-    for place in 0..above.places {
-        // The last window of a row may be the first one of a column that the picture no longer has.
-        let columns = above.columns.count + usize::from(place == 0);
-        for column in (0..columns).step_by(LANES) {
-            let cells = [above.before(place) + column, above.at(place) + column];
-            let mut sums = [F::splat(0.0); PAIRS];
-            for (value, sum) in sums.iter_mut().enumerate() {
-                *sum = sum_window([above, below], cells, value);
-            }
-            let equations = NormalEquations::new(&sums, cell);
-            let mut into = fits.at(place) + column;
-            let values = fits.numbers.len() / fits.stride;
-            for first in (0..values).step_by(FEATURES) {
-                let mut products = [F::splat(0.0); FEATURES];
-                for (feature, product) in products.iter_mut().enumerate() {
-                    *product = sum_window([above, below], cells, PAIRS + first + feature);
-                }
-                for coefficient in equations.solve(&products) {
-                    coefficient.store(&mut fits.numbers, into);
-                    into += fits.stride;
-                }
-            }
+pub fn fit_windows<F: Real>(pairs: &Pairs, cell: usize, fits: &mut Strip) {
+    let columns = pairs.columns;
+    let mut lower = [Lanes::ZERO; COUNT * (COUNT + 1) / 2];
+    // The last window of a row may be the first one of a column that the picture no longer has.
+    for block in 0..(columns.count + 1).div_ceil(LANES) {
+        let places = if block < columns.blocks() { pairs.above.entries } else { 1 };
+        for place in 0..places {
+            let sums = [pairs.above.at(block, place), pairs.below.at(block, place)];
+            fit_window::<F>(sums, cell, &mut lower, fits.at_mut(block, place));
         }
+        fits.copy_back(block);
     }
 }
 
-/// A sum over the pixels of a window.
+/// Adds the sums of windows between two rows of cells that are cells of twice the size.
 #[inline(always)]
-fn sum_window<F: Real>([above, below]: [&Strip; 2], [left, right]: [usize; 2], value: usize) -> F {
-    let at = value * above.stride;
-    (F::load(&above.numbers, at + left) + F::load(&above.numbers, at + right))
-        + (F::load(&below.numbers, at + left) + F::load(&below.numbers, at + right))
-}
-
-/// The normal equations of a window: the covariances of the guides, decomposed to L D Lᵀ. That is Cholesky's
-/// decomposition without its roots.
-struct NormalEquations<F> {
-    /// 1 over the number of pixels.
-    share: F,
-    means: [F; COUNT],
-    /// L below its diagonal, which is 1.
-    lower: [F; COUNT * (COUNT + 1) / 2],
-    /// 1 / D.
-    inverses: [F; COUNT],
-}
-
-impl<F: Real> NormalEquations<F> {
-    #[inline(always)]
-    fn new(sums: &[F; PAIRS], cell: usize) -> Self {
-        let (zero, one) = (F::splat(0.0), F::splat(1.0));
-        let share = one / sums[0];
-        let mut means = [zero; COUNT];
-        for guide in 0..COUNT {
-            means[guide] = sums[entry(guide + 1, 0)] * share;
-        }
-        let (mut lower, mut inverses) = ([zero; COUNT * (COUNT + 1) / 2], [zero; COUNT]);
-        for row in 0..COUNT {
-            // The entries of L D in this row.
-            let mut scaled = [zero; COUNT];
-            for column in 0..=row {
-                let mut rest = sums[entry(row + 1, column + 1)] * share - means[row] * means[column];
-                if column == row {
-                    let ridge = if row < POSITION { RIDGE } else { RIDGE * (cell * cell) as f64 };
-                    // Rounding may make the variance of a large guide negative.
-                    rest = rest.max(zero) + F::splat(ridge);
-                }
-                for k in 0..column {
-                    rest = rest - scaled[k] * lower[entry(column, k)];
-                }
-                if column < row {
-                    scaled[column] = rest;
-                    lower[entry(row, column)] = rest * inverses[column];
-                } else {
-                    // The ridge keeps the diagonal positive but for rounding.
-                    inverses[row] = one / rest.max(F::splat(f64::EPSILON));
-                }
+pub fn sum_windows<F: Real>(pairs: &Pairs, next: &mut Pairs) {
+    next.start_row();
+    for block in 0..pairs.columns.blocks() {
+        for place in 0..next.below.entries {
+            let [above, below] = [&pairs.above, &pairs.below].map(|row| row.at(block, 2 * place + 1));
+            let mut cell = next.next_cell(block, place);
+            for (value, (above, below)) in above.iter().zip(below).enumerate() {
+                cell.add(value, above.get::<F>() + below.get::<F>());
             }
         }
-        Self { share, means, lower, inverses }
+        next.end_block(block);
     }
+    next.end_row();
+}
 
-    /// The fit to a channel of light, whose products with the features are summed: the constant and the slopes.
-    #[inline(always)]
-    fn solve(&self, products: &[F; FEATURES]) -> [F; FEATURES] {
-        let light = products[0] * self.share;
-        let mut fit = [light; FEATURES];
+/// A sum over the pixels of a window, which are those of two pairs of cells.
+#[inline(always)]
+fn sum<F: Real>([above, below]: [&[Lanes]; 2], value: usize) -> F {
+    above[value].get::<F>() + below[value].get::<F>()
+}
+
+/// Fits the light of the windows of a block to their features, each channel by a constant and slopes.
+///
+/// The covariances of the guides are decomposed to L D Lᵀ: that is Cholesky's decomposition without its roots. `lower` is
+/// memory for L below its diagonal, which is 1.
+#[inline(always)]
+fn fit_window<F: Real>(
+    sums: [&[Lanes]; 2],
+    cell: usize,
+    lower: &mut [Lanes; COUNT * (COUNT + 1) / 2],
+    fits: &mut [Lanes],
+) {
+    let (zero, one) = (F::splat(0.0), F::splat(1.0));
+    // 1 over the number of pixels, and 1 / D.
+    let share = one / sum::<F>(sums, 0);
+    let (mut means, mut inverses) = ([zero; COUNT], [zero; COUNT]);
+    for guide in 0..COUNT {
+        means[guide] = sum::<F>(sums, entry(guide + 1, 0)) * share;
+    }
+    // The entries of L D in a row.
+    let mut scaled = [zero; COUNT];
+    for row in 0..COUNT {
+        for column in 0..=row {
+            let mut rest = sum::<F>(sums, entry(row + 1, column + 1)) * share - means[row] * means[column];
+            if column == row {
+                let ridge = if row < POSITION { RIDGE } else { RIDGE * (cell * cell) as f64 };
+                // Rounding may make the variance of a large guide negative.
+                rest = rest.max(zero) + F::splat(ridge);
+            }
+            for k in 0..column {
+                rest = rest - scaled[k] * lower[entry(column, k)].get::<F>();
+            }
+            if column < row {
+                scaled[column] = rest;
+                lower[entry(row, column)].set(rest * inverses[column]);
+            } else {
+                // The ridge keeps the diagonal positive but for rounding.
+                inverses[row] = one / rest.max(F::splat(f64::EPSILON));
+            }
+        }
+    }
+    let mut fit = [zero; FEATURES];
+    for (channel, into) in fits.as_chunks_mut::<FEATURES>().0.iter_mut().enumerate() {
+        let products = PAIRS + channel * FEATURES;
+        let light = sum::<F>(sums, products) * share;
         for row in 0..COUNT {
-            let mut rest = products[row + 1] * self.share - light * self.means[row];
+            let mut rest = sum::<F>(sums, products + row + 1) * share - light * means[row];
             for k in 0..row {
-                rest = rest - fit[k + 1] * self.lower[entry(row, k)];
+                rest = rest - fit[k + 1] * lower[entry(row, k)].get::<F>();
             }
             fit[row + 1] = rest;
         }
+        let mut constant = light;
         for row in (0..COUNT).rev() {
-            let mut rest = fit[row + 1] * self.inverses[row];
+            let mut rest = fit[row + 1] * inverses[row];
             for k in row + 1..COUNT {
-                rest = rest - fit[k + 1] * self.lower[entry(k, row)];
+                rest = rest - fit[k + 1] * lower[entry(k, row)].get::<F>();
             }
             fit[row + 1] = rest;
-            fit[0] = fit[0] - rest * self.means[row];
+            into[row + 1].set(rest);
+            constant = constant - rest * means[row];
         }
-        fit
+        into[0].set(constant);
     }
 }

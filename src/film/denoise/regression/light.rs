@@ -1,13 +1,13 @@
 //! The light of the rows of pixels that are summed.
 
-use super::super::columns::Columns;
+use super::super::columns::{Columns, LANES};
 use super::super::planes::{COLUMN, Planes};
 use crate::base::lanes::{Real, Row, Single};
 
 /// Two rows of pixels in lanes, all channels of all layers.
 pub struct LightRows {
     pub channels: usize,
-    columns: Columns,
+    pub columns: Columns,
     numbers: Vec<f32>,
 }
 
@@ -19,18 +19,21 @@ impl LightRows {
     /// Takes rows from `y` on. Rows below the picture are black.
     pub fn take(&mut self, light: &Planes, y: usize) {
         let (columns, channels) = (self.columns, self.channels);
-        for (at, into) in self.numbers.chunks_exact_mut(columns.of_row()).enumerate() {
-            let y = y + at / channels;
-            match y < light.height {
-                true => columns.spread(light.row(at % channels, y), into),
-                false => into.fill(0.0),
+        if y + 1 >= light.height {
+            self.numbers.fill(0.0);
+        }
+        for row in 0..2.min(light.height.saturating_sub(y)) {
+            for channel in 0..channels {
+                let number = (row * channels + channel, 2 * channels);
+                columns.spread(light.row(channel, y + row), number, &mut self.numbers);
             }
         }
     }
 
     #[inline(always)]
-    pub fn at<F: Real>(&self, row: usize, channel: usize, place: usize, column: usize) -> F {
-        let at = ((row * self.channels + channel) * COLUMN + place) * self.columns.padded + column;
-        F::F32::load(&self.numbers, at).to_f64()
+    pub fn at<F: Real>(&self, row: usize, channel: usize, block: usize, place: usize) -> F {
+        let pixel = block * COLUMN + place;
+        let at = (pixel * 2 + row) * self.channels + channel;
+        F::F32::load(&self.numbers, at * LANES).to_f64()
     }
 }

@@ -8,6 +8,7 @@
 //! once. Rows of cells go from size to size as they are complete: of each size, two rows of cells and of fits are in
 //! memory.
 
+mod cells;
 mod evaluate;
 mod least_squares;
 mod light;
@@ -23,7 +24,7 @@ use super::outliers::bounds;
 use super::planes::{COLUMN, Planes};
 use crate::base::lanes::{Level, SimdKernel, dispatch};
 use light::LightRows;
-use moments::{sum_cells, sum_pixels};
+use moments::sum_pixels;
 use rayon::prelude::*;
 use scale::Scale;
 use std::ops::Range;
@@ -31,23 +32,26 @@ use std::ops::Range;
 /// The number of sizes of cells. Each has twice the side of the one before: 2, 4, 8 and 16 pixels.
 pub const SCALES: usize = 4;
 
-/// Rows of pixels that are fitted one after the other: a multiple of the largest cell. The cells above and below are
-/// summed twice.
-const BATCH: usize = 4 * COLUMN;
+/// The fewest and the most rows of pixels that are fitted one after the other: multiples of the largest cell. The cells above
+/// and below are summed twice, so there are no more batches than threads, unless they would need much memory.
+const BATCH: [usize; 2] = [4 * COLUMN, 12 * COLUMN];
 
 /// Fits all layers of light to guides at the first scales. The fits are evaluated at the guides `shown`. A fit stays
 /// between the least and the greatest light around its pixel.
 pub fn fit<const COUNT: usize>(guides: &Guides, shown: &Guides, light: &Planes) -> [Planes; COUNT] {
     let mut fitted = [(); COUNT].map(|()| light.unset_like(light.count));
+    let [least, most] = BATCH;
+    let share = light.height.div_ceil(rayon::current_num_threads()).next_multiple_of(COLUMN);
+    let of_batch = share.clamp(least, most);
     let mut batches: Vec<Vec<&mut [f32]>> =
-        (0..light.height.div_ceil(BATCH)).map(|_| Vec::with_capacity(COUNT)).collect();
+        (0..light.height.div_ceil(of_batch)).map(|_| Vec::with_capacity(COUNT)).collect();
     for planes in &mut fitted {
-        batches.iter_mut().zip(planes.bands_mut(BATCH)).for_each(|(batch, band)| batch.push(band));
+        batches.iter_mut().zip(planes.bands_mut(of_batch)).for_each(|(batch, band)| batch.push(band));
     }
     batches.into_par_iter().enumerate().for_each_init(
-        || Workspace::new(light, COUNT),
+        || Workspace::new(light, of_batch, COUNT),
         |workspace, (batch, fitted)| {
-            let rows = batch * BATCH..light.height.min((batch + 1) * BATCH);
+            let rows = batch * of_batch..light.height.min((batch + 1) * of_batch);
             workspace.start(light, rows.clone());
             dispatch(FitRows { guides, shown, light, rows, workspace, fitted });
         },
@@ -64,9 +68,9 @@ struct Workspace {
 }
 
 impl Workspace {
-    fn new(light: &Planes, scales: usize) -> Self {
+    fn new(light: &Planes, rows: usize, scales: usize) -> Self {
         let (columns, channels) = (Columns::new(light.width), light.count);
-        let rows = light.height.min(BATCH);
+        let rows = light.height.min(rows);
         Self {
             bounds: [(); 2].map(|()| Planes::unset(light.memory(), (light.width, rows), channels)),
             light: LightRows::new(columns, channels),
@@ -77,7 +81,7 @@ impl Workspace {
     /// Prepares a batch.
     fn start(&mut self, light: &Planes, rows: Range<usize>) {
         bounds(light, rows, &mut self.bounds);
-        self.scales.iter_mut().for_each(Scale::clear);
+        self.scales.iter_mut().for_each(|scale| scale.cells.clear());
     }
 }
 
@@ -100,18 +104,23 @@ impl SimdKernel for FitRows<'_> {
         let Self { guides, shown, light, rows, workspace, mut fitted } = self;
         let Workspace { bounds, light: summed, scales } = workspace;
         // The windows of the largest cells reach as far.
-        let first = rows.start.saturating_sub(COLUMN) / 2;
-        let last = (rows.end.next_multiple_of(COLUMN) + COLUMN) / 2;
+        let largest = 1 << scales.len();
+        let first = rows.start.saturating_sub(largest) / 2;
+        let last = (rows.end.next_multiple_of(largest) + largest) / 2;
         for row in first..last {
             summed.take(light, 2 * row);
-            sum_pixels::<L::F64>(guides, summed, row, scales[0].next_row());
-            // Every second row of cells completes one of the next size.
-            let complete = 1 + (row + 1).trailing_zeros() as usize;
-            for (scale, fitted) in fitted.iter_mut().enumerate().take(complete) {
-                if let [.., smaller, own] = &mut scales[..=scale] {
-                    sum_cells::<L::F64>([&smaller.above, &smaller.below], own.next_row());
+            sum_pixels::<L::F64>(guides, summed, row, &mut scales[0].cells);
+            for (scale, fitted) in fitted.iter_mut().enumerate() {
+                let row = row >> scale;
+                // Every second row of cells completes one of the next size.
+                let is_complete = row % 2 == 1;
+                if let [own, larger @ ..] = &mut scales[scale..] {
+                    let next = larger.first_mut().filter(|_| is_complete);
+                    own.fit::<L::F64>(shown, bounds, (row, &rows), fitted, next);
                 }
-                scales[scale].fit::<L::F64>(shown, bounds, row >> scale, &rows, fitted);
+                if !is_complete {
+                    break;
+                }
             }
         }
     }

@@ -1,9 +1,9 @@
 //! Sums over cells: all that least squares need to know of their pixels.
 
-use super::super::columns::LANES;
 use super::super::guides::{FEATURES, Guides};
+use super::cells::Pairs;
 use super::light::LightRows;
-use super::strip::Strip;
+use super::strip::Lanes;
 use crate::base::lanes::Real;
 
 /// Entries of a symmetric matrix over the features.
@@ -20,53 +20,47 @@ const PIXELS: [(usize, usize); 4] = [(0, 0), (0, 1), (1, 0), (1, 1)];
 
 /// Sums the pixels of a row of the smallest cells. The `light` is that of its two rows of pixels.
 #[inline(always)]
-pub fn sum_pixels<F: Real>(guides: &Guides, light: &LightRows, row: usize, cells: &mut Strip) {
-    let columns = cells.columns;
-    for place in 0..cells.places {
-        for column in (0..columns.padded).step_by(LANES) {
-            let mut features = [[F::splat(0.0); FEATURES]; PIXELS.len()];
+pub fn sum_pixels<F: Real>(guides: &Guides, light: &LightRows, row: usize, cells: &mut Pairs) {
+    cells.start_row();
+    let mut features = [[Lanes::ZERO; FEATURES]; PIXELS.len()];
+    for block in 0..light.columns.blocks() {
+        for place in 0..cells.below.entries {
             for ((y, x), features) in PIXELS.iter().zip(&mut features) {
-                *features = guides.features(2 * row + y, 2 * place + x, column);
+                if 2 * row + y < guides.height {
+                    let own = guides.features::<F>(2 * row + y, block, 2 * place + x);
+                    for feature in 0..FEATURES {
+                        features[feature].set(own[feature]);
+                    }
+                } else {
+                    *features = [Lanes::ZERO; FEATURES];
+                }
             }
             let [a, b, c, d] = &features;
-            let mut into = cells.at(place) + column;
+            let (mut cell, mut value) = (cells.next_cell(block, place), 0);
             for one in 0..FEATURES {
+                let (ones, twos) =
+                    ((a[one].get::<F>(), b[one].get::<F>()), (c[one].get::<F>(), d[one].get::<F>()));
                 for other in 0..=one {
-                    let sum =
-                        (a[one] * a[other] + b[one] * b[other]) + (c[one] * c[other] + d[one] * d[other]);
-                    sum.store(&mut cells.numbers, into);
-                    into += cells.stride;
+                    let sum = (ones.0 * a[other].get::<F>() + ones.1 * b[other].get::<F>())
+                        + (twos.0 * c[other].get::<F>() + twos.1 * d[other].get::<F>());
+                    cell.add(value, sum);
+                    value += 1;
                 }
             }
             for channel in 0..light.channels {
                 let mut values = [F::splat(0.0); PIXELS.len()];
                 for ((y, x), value) in PIXELS.iter().zip(&mut values) {
-                    *value = light.at(*y, channel, 2 * place + x, column);
+                    *value = light.at(*y, channel, block, 2 * place + x);
                 }
                 for feature in 0..FEATURES {
-                    let first = a[feature] * values[0] + b[feature] * values[1];
-                    let second = c[feature] * values[2] + d[feature] * values[3];
-                    (first + second).store(&mut cells.numbers, into);
-                    into += cells.stride;
+                    let first = a[feature].get::<F>() * values[0] + b[feature].get::<F>() * values[1];
+                    let second = c[feature].get::<F>() * values[2] + d[feature].get::<F>() * values[3];
+                    cell.add(value, first + second);
+                    value += 1;
                 }
             }
         }
+        cells.end_block(block);
     }
-}
-
-/// Sums two rows of cells to one of cells of twice the side.
-#[inline(always)]
-pub fn sum_cells<F: Real>([above, below]: [&Strip; 2], into: &mut Strip) {
-    for value in 0..into.numbers.len() / into.stride {
-        for place in 0..into.places {
-            for column in (0..into.columns.padded).step_by(LANES) {
-                let [left, right] =
-                    [2 * place, 2 * place + 1].map(|place| value * above.stride + above.at(place) + column);
-                let sum = (F::load(&above.numbers, left) + F::load(&above.numbers, right))
-                    + (F::load(&below.numbers, left) + F::load(&below.numbers, right));
-                let at = value * into.stride + into.at(place) + column;
-                sum.store(&mut into.numbers, at);
-            }
-        }
-    }
+    cells.end_row();
 }

@@ -1,7 +1,9 @@
+use super::super::columns::LANES;
 use super::super::guides::{COUNT, POSITION, guides_of};
 use super::super::memory::Memory;
 use super::*;
 use crate::base::color::Rgb;
+use crate::base::lanes::{Portable, Row};
 use crate::film::{AovSet, Film};
 use crate::testing::Random;
 
@@ -61,13 +63,14 @@ fn fits_are_least_squares_in_each_window() {
         let (width, height) = (size.0 as usize, size.1 as usize);
         let memory = Memory::default();
         let light = Planes::of_film(&memory, &film, 0..2);
-        let guides = Guides::new(&memory, light.size(), &guides_of(&film));
+        let [guides, _] = Guides::new(light.size(), &guides_of(&memory, &[film.clone(), film.clone()]));
         let mut range = [(); 2].map(|()| light.unset_like(light.count));
         bounds(&light, 0..height, &mut range);
         let [least, most] = range;
         let at = |x: usize, y: usize| -> Vec<f64> {
-            let features = guides.features::<f64>(y, x % COLUMN, x / COLUMN);
-            features[1..].to_vec()
+            let (block, column) = (x / COLUMN / LANES, x / COLUMN % LANES);
+            let features = guides.features::<<Portable as Level>::F64>(y, block, x % COLUMN);
+            features[1..].iter().map(|feature| feature.to_array()[column]).collect()
         };
         let fitted: [Planes; SCALES] = fit(&guides, &guides, &light);
         let mut random = Random(3);
