@@ -96,9 +96,11 @@ pub fn screen_of<F: Real>([across, down]: [F; 2], (width, height): (u32, u32)) -
 }
 
 /// The position in a picture of this size of a place in the units of [`Camera::ray`]: the inverse of [`screen_of`].
-pub fn pixels_of(screen: DVec2, (width, height): (u32, u32)) -> DVec2 {
-    let (width, height) = (f64::from(width), f64::from(height));
-    DVec2::new((screen.x * height + width) / 2.0, (height - screen.y * height) / 2.0)
+#[inline(always)]
+pub fn pixels_of<F: Real>([x, y]: [F; 2], (width, height): (u32, u32)) -> [F; 2] {
+    let (width, height) = (F::splat(f64::from(width)), F::splat(f64::from(height)));
+    let two = F::splat(2.0);
+    [(x * height + width) / two, (height - y * height) / two]
 }
 
 /// A camera at one moment.

@@ -4,9 +4,10 @@ use super::camera_rays::Placement;
 use super::pixels::PixelTracer;
 use super::settings::{Moment, TraceSettings};
 use super::wavefront::WAVE;
-use crate::base::math::{DAffine3, DMat3, DVec2, DVec3, inverse};
+use crate::base::lanes::{Level, Real, Row, Select, SimdKernel, Vec3, dispatch};
+use crate::base::math::{Basis, DAffine3, DMat3, DVec3, inverse};
 use crate::camera::{Camera, Projection, pixels_of};
-use crate::film::denoise::{Memory, Reprojection};
+use crate::film::denoise::{Memory, RUN, Reprojection, Run};
 use crate::geometry::shape::ShapeHit;
 use crate::sampling::PixelSampler;
 use crate::scene::Scene;
@@ -38,19 +39,14 @@ struct PrimaryHit {
     primitive: u32,
 }
 
-/// What a pixel sees, in the world of the other frame.
-enum Seen {
-    Background,
-    Surface(SurfacePoint),
-}
-
-/// A point of a primitive, and the plane through it.
-struct SurfacePoint {
-    primitive: u32,
-    point: DVec3,
-    normal: DVec3,
+/// What the pixels of a run see, in the world of the other frame.
+struct SeenPoints {
+    primitives: [u32; RUN],
+    /// Points of primitives, and the planes through them. Those of the background are as far away as one unit.
+    points: [DVec3; RUN],
+    normals: [DVec3; RUN],
     /// How far from the plane other points of the surface may lie.
-    within: f64,
+    within: Run,
 }
 
 impl PrimaryHits {
@@ -95,33 +91,34 @@ impl PrimaryHits {
     /// memory from `memory`.
     pub fn seen_by(&self, other: &Self, memory: &Memory) -> Reprojection {
         let motions = self.motions(other);
-        let pixel_height = 2.0 / f64::from(self.size.1);
-        let find = |pixel: usize| {
-            let hit = &self.hits[pixel];
-            if hit.primitive == NOTHING {
-                let at = other.place_of_direction(self.direction(pixel))?;
-                return Some((at, Seen::Background));
+        let find = |first: usize, count: usize, at: &mut [Run; 2]| {
+            let mut seen = SeenPoints {
+                primitives: [NOTHING; RUN],
+                points: [DVec3::NAN; RUN],
+                normals: [DVec3::ZERO; RUN],
+                within: [0.0; RUN],
+            };
+            let mut axes = [[f64::NAN; RUN]; 3];
+            for (index, (pixel, hit)) in (first..).zip(&self.hits[first..][..count]).enumerate() {
+                let found = match hit.primitive {
+                    NOTHING => other.point_towards(self.direction(pixel)).map(|point| (point, DVec3::ZERO)),
+                    _ => motions.get(hit.primitive as usize).and_then(|motion| hit.moved(motion)),
+                };
+                let Some((point, normal)) = found else { continue };
+                seen.primitives[index] = hit.primitive;
+                (seen.points[index], seen.normals[index]) = (point, normal);
+                [axes[0][index], axes[1][index], axes[2][index]] = point.to_array();
             }
-            let (mut point, mut normal) = (hit.point, DVec3::from_array(hit.normal.map(f64::from)));
-            if let Motion::Moved { to, normals } = motions.get(hit.primitive as usize)? {
-                point = to.transform_point3(point);
-                normal = (*normals * normal).try_normalize()?;
-            }
-            let at = other.place_of(point)?;
-            let within = CURVED * other.half_height_at(point) * pixel_height;
-            let surface = SurfacePoint { primitive: hit.primitive, point, normal, within };
-            Some((at, Seen::Surface(surface)))
+            dispatch(Project { by: other, points: &axes, at, within: &mut seen.within });
+            seen
         };
-        let sees = |pixel: usize, seen: &Seen| {
-            let hit = &other.hits[pixel];
-            match seen {
-                Seen::Background => hit.primitive == NOTHING,
-                Seen::Surface(surface) if hit.primitive == surface.primitive => {
-                    let away = (hit.point - surface.point).dot(surface.normal);
-                    away.abs() <= surface.within
-                }
-                Seen::Surface(_) => false,
+        let sees = |pixel: usize, seen: &SeenPoints, index: usize| {
+            let (hit, primitive) = (&other.hits[pixel], seen.primitives[index]);
+            if hit.primitive != primitive || primitive == NOTHING {
+                return hit.primitive == primitive;
             }
+            let away = (hit.point - seen.points[index]).dot(seen.normals[index]);
+            away.abs() <= seen.within[index]
         };
         Reprojection::new(memory, self.size, find, sees)
     }
@@ -149,27 +146,67 @@ impl PrimaryHits {
         self.camera.pixel_ray(center(pixel, self.size.0), self.size).direction
     }
 
-    /// The position of a point in the picture, in pixels.
-    fn place_of(&self, point: DVec3) -> Option<DVec2> {
-        self.camera.project(point).screen().map(|screen| pixels_of(screen, self.size))
-    }
-
-    /// The position of what is infinitely far in a direction.
-    fn place_of_direction(&self, direction: DVec3) -> Option<DVec2> {
+    /// A point in a direction, as far away as anything that is projected to the same place.
+    fn point_towards(&self, direction: DVec3) -> Option<DVec3> {
         match self.camera.projection {
-            Projection::Perspective { .. } => self.place_of(self.camera.position + direction),
+            Projection::Perspective { .. } => Some(self.camera.position + direction),
             // All rays have one direction, so it has no place in the picture.
             Projection::Orthographic { .. } => None,
         }
     }
+}
 
-    /// Half the height of the picture at a point in the world.
-    fn half_height_at(&self, point: DVec3) -> f64 {
-        match self.camera.projection {
-            Projection::Perspective { half_height } => {
-                half_height * (point - self.camera.position).dot(self.camera.basis.forward)
+impl PrimaryHit {
+    /// The point and the normal in the other frame. None if the normal vanishes.
+    fn moved(&self, motion: &Motion) -> Option<(DVec3, DVec3)> {
+        let normal = DVec3::from_array(self.normal.map(f64::from));
+        match motion {
+            Motion::Still => Some((self.point, normal)),
+            Motion::Moved { to, normals } => {
+                Some((to.transform_point3(self.point), (*normals * normal).try_normalize()?))
             }
-            Projection::Orthographic { half_height } => half_height,
+        }
+    }
+}
+
+/// Projects points to a picture.
+struct Project<'a> {
+    by: &'a PrimaryHits,
+    points: &'a [Run; 3],
+    /// Positions in pixels; no numbers behind the camera.
+    at: &'a mut [Run; 2],
+    /// How far surfaces at the points may lie from planes.
+    within: &'a mut Run,
+}
+
+impl SimdKernel for Project<'_> {
+    type Output = ();
+
+    /// In the order of [`Camera::project`].
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { by: PrimaryHits { size, camera, .. }, points, at: [across, down], within } = self;
+        let Basis { right, up, forward } = camera.basis;
+        let [right, up, forward] = [Vec3::splat(right), Vec3::splat(up), Vec3::<L::F64>::splat(forward)];
+        let position = Vec3::splat(camera.position);
+        let [zero, infinite] = [0.0, f64::INFINITY].map(L::F64::splat);
+        let (curved, pixel_height) = (L::F64::splat(CURVED), L::F64::splat(2.0 / f64::from(size.1)));
+        let none = L::F64::splat(f64::NAN);
+        for index in (0..RUN).step_by(L::F64::LANES) {
+            let [x, y, z] = points;
+            let point = Vec3::new(L::F64::load(x, index), L::F64::load(y, index), L::F64::load(z, index));
+            let to = point - position;
+            let depth = to.dot(forward);
+            let weight = match camera.projection {
+                Projection::Perspective { half_height } => depth * L::F64::splat(half_height),
+                Projection::Orthographic { half_height } => L::F64::splat(half_height),
+            };
+            let [x, y] = [to.dot(right) / weight, to.dot(up) / weight];
+            let is_seen = zero.lt(depth) & x.abs().lt(infinite) & y.abs().lt(infinite);
+            let [x, y] = pixels_of([x, y], *size);
+            L::F64::select(is_seen, x, none).store(across, index);
+            L::F64::select(is_seen, y, none).store(down, index);
+            (curved * weight * pixel_height).store(within, index);
         }
     }
 }
@@ -189,7 +226,7 @@ fn center(pixel: usize, width: u32) -> [f64; 2] {
 mod tests {
     use super::*;
     use crate::appearance::material::{Material, MaterialBinding};
-    use crate::base::math::{Angle, axis_angle, gamma, look_at};
+    use crate::base::math::{Angle, DVec2, axis_angle, gamma, look_at};
     use crate::geometry::shape::{Cuboid, Plane, Shape, Sphere};
     use crate::scene::{Finish, Geometry, Shading, Weights};
     use crate::sequence::quality::Quality;
@@ -272,10 +309,12 @@ mod tests {
     fn points_are_where_rays_meet_them() {
         let own = hits(EYE, 0.0);
         for pixel in 0..own.hits.len() {
-            let at = own.place_of_direction(own.direction(pixel)).expect("in front of the camera");
+            let point = own.point_towards(own.direction(pixel)).expect("a perspective");
+            let (mut at, points) = ([[0.0; RUN]; 2], point.to_array().map(|axis| [axis; RUN]));
+            dispatch(Project { by: &own, points: &points, at: &mut at, within: &mut [0.0; RUN] });
             // A ray and a projection: fewer than 64 roundings of positions of at most the size of the picture.
-            let off = at - DVec2::from(center(pixel, SIZE.0));
-            assert!(off.length() <= gamma(64) * f64::from(SIZE.0), "{pixel}: {at}");
+            let off = DVec2::new(at[0][0], at[1][0]) - DVec2::from(center(pixel, SIZE.0));
+            assert!(off.length() <= gamma(64) * f64::from(SIZE.0), "{pixel}: {at:?}");
         }
     }
 }

@@ -4,8 +4,8 @@
 //! columns are neighbours in memory. So whatever the size of cells, eight of them at the same place in their columns
 //! are summed, fitted and evaluated at once, and no lane has anything to do with another one.
 //!
-//! Eight columns are a block. In memory, a row is block by block, a block place by place, and a place number by number, as
-//! far as there are several of each pixel. So what is worked on at once is in few pages, and read in its order.
+//! Eight columns are a block. In memory, a row is block by block, a block place by place, and a place number by number,
+//! as far as there are several of each pixel. So what is worked on at once is in few pages, and read in its order.
 
 use super::planes::COLUMN;
 

@@ -17,7 +17,8 @@ pub const POSITION: usize = 7;
 /// The last guide before positions.
 const CLOSENESS: usize = POSITION - 1;
 
-/// Numbers of a pixel in one half: the guides without positions, and a zero that fills lanes. Closeness has no unit yet.
+/// Numbers of a pixel in one half: the guides without positions, and a zero that fills lanes. Closeness has no unit
+/// yet.
 pub const OF_HALF: usize = POSITION + 1;
 
 /// The guides of a pixel in both halves, so that they are read at once.
@@ -56,8 +57,8 @@ impl Guides {
         })
     }
 
-    /// Others of a picture of the same size, whose closeness has the same unit. `write` writes those of some pixels from one
-    /// on, given its column and row.
+    /// Others of a picture of the same size, whose closeness has the same unit. `write` writes those of some pixels
+    /// from one on, given its column and row.
     pub fn others(
         both: [&Self; 2],
         width: usize,
@@ -114,8 +115,8 @@ impl Guides {
         })
     }
 
-    /// The features of eight pixels of a row in the picture: of those at the same place in the columns of a block. Beside the
-    /// picture, they are zero.
+    /// The features of eight pixels of a row in the picture: of those at the same place in the columns of a block.
+    /// Beside the picture, they are zero.
     #[inline(always)]
     pub fn features<F: Real>(&self, y: usize, block: usize, place: usize) -> [F; FEATURES] {
         let pixels = block * COLUMN + place;

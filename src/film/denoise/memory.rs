@@ -1,7 +1,7 @@
 //! Memory that filters use again.
 //!
-//! The system makes new memory page by page, which takes longer than most steps of a filter need to fill it. So planes give
-//! theirs back when they are dropped, and those of the next step and of the next frame have it.
+//! The system makes new memory page by page, which takes longer than most steps of a filter need to fill it. So planes
+//! give theirs back when they are dropped, and those of the next step and of the next frame have it.
 
 use super::neighbors::Taps;
 use std::fmt;

@@ -36,7 +36,7 @@ mod trust;
 pub use error::RemainingError;
 pub use halves::Halves;
 pub use memory::Memory;
-pub use neighbors::{Neighbor, Reprojection};
+pub use neighbors::{Neighbor, RUN, Reprojection, Run};
 pub use trial::trial;
 
 use super::aov::GUIDES;
@@ -97,8 +97,8 @@ pub fn bytes((width, height): (u32, u32), layers: u64, neighbors: u64) -> u64 {
     row.saturating_mul(pixel).saturating_add(sets * guides * Guides::BYTES_PER_PIXEL)
 }
 
-/// Denoises a picture. The film holds no guides. `samples` is the number of samples per pixel of all films. Memory is that of
-/// the halves.
+/// Denoises a picture. The film holds no guides. `samples` is the number of samples per pixel of all films. Memory is
+/// that of the halves.
 pub fn denoise(films: &SampleFilms, samples: f64) -> Film {
     let first = films.halves.film();
     let aovs = AovSet { guides: false, ..first.aovs };

@@ -13,8 +13,8 @@ const REACH: usize = 2;
 /// How many times as bright as the brightest pixel around it a pixel may be. Plain noise of a few samples stays below.
 const FACTOR: f32 = 2.0;
 
-/// By what the light of the pixels of a row is multiplied, so that none is an outlier. `brightness` has a plane for each
-/// layer: the sums over the channels.
+/// By what the light of the pixels of a row is multiplied, so that none is an outlier. `brightness` has a plane for
+/// each layer: the sums over the channels.
 pub fn factors(brightness: &Planes, layer: usize, y: usize) -> Vec<f32> {
     let mut factors = brightest_around(brightness, layer, y);
     for (factor, own) in factors.iter_mut().zip(brightness.row(layer, y)) {

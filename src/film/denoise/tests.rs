@@ -1,6 +1,5 @@
 use super::*;
 use crate::base::lanes::tests::on_all_levels;
-use crate::base::math::DVec2;
 use crate::film::LayerId;
 use crate::testing::Random;
 use glam::Vec3;
@@ -37,9 +36,9 @@ impl Films {
         let shifted = |by: usize| {
             let place = |pixel: usize| {
                 let [x, y] = [pixel % SIZE.0 as usize, pixel / SIZE.0 as usize].map(|at| at as f64 + 0.5);
-                Some((DVec2::new(x - by as f64, y), ()))
+                [x - by as f64, y]
             };
-            Reprojection::new(&memory, SIZE, place, |_, ()| true)
+            Reprojection::unhidden(&memory, SIZE, place)
         };
         let neighbors: Vec<Neighbor> =
             others.iter().map(|(halves, by)| Neighbor { halves, reprojection: shifted(*by) }).collect();

@@ -2,7 +2,6 @@
 
 use super::{Halves, Memory, Neighbor, Reprojection, SampleFilms, denoise};
 use crate::base::color::Rgb;
-use crate::base::math::DVec2;
 use crate::film::{AovSet, Film};
 use crate::sampling::hash;
 
@@ -35,9 +34,6 @@ pub fn trial(layers: usize, neighbors: usize) -> usize {
 
 /// Points that lie between four pixels, which takes the most time.
 fn shifted(memory: &Memory) -> Reprojection {
-    let place = |pixel: usize| {
-        let [x, y] = [pixel % SIZE.0 as usize, pixel / SIZE.0 as usize].map(|place| place as f64);
-        Some((DVec2::new(x, y), ()))
-    };
-    Reprojection::new(memory, SIZE, place, |_, ()| true)
+    let place = |pixel: usize| [pixel % SIZE.0 as usize, pixel / SIZE.0 as usize].map(|place| place as f64);
+    Reprojection::unhidden(memory, SIZE, place)
 }

@@ -44,8 +44,8 @@ impl Agreement {
         Self { seen: light.unset_like(HALVES * 3), measured: light.unset_like(PLANES) }
     }
 
-    /// Compares both halves of a picture, of whose light the layer number `place` counts, with those of a neighbour and its
-    /// layer. `floor` is added to the squared light of a pixel.
+    /// Compares both halves of a picture, of whose light the layer number `place` counts, with those of a neighbour and
+    /// its layer. `floor` is added to the squared light of a pixel.
     pub fn compare(
         &mut self,
         (own, place): (&[Planes; 2], usize),
@@ -70,8 +70,8 @@ impl Agreement {
         });
     }
 
-    /// Adds the light of the neighbour to that of the picture, `sums`, and returns its weights at each pixel, relative to
-    /// that of the picture's own samples: a plane.
+    /// Adds the light of the neighbour to that of the picture, `sums`, and returns its weights at each pixel, relative
+    /// to that of the picture's own samples: a plane.
     pub fn add_weighted(&self, sums: &mut [Planes; 2]) -> Planes {
         let Self { seen, measured } = self;
         let stride = measured.stride;

@@ -10,7 +10,7 @@ mod pool;
 mod reprojection;
 
 pub use pool::Pooled;
-pub use reprojection::{Reprojection, Taps};
+pub use reprojection::{RUN, Reprojection, Run, Taps};
 
 use super::halves::Halves;
 

@@ -30,8 +30,8 @@ struct WeightedNeighbor<'a> {
 }
 
 impl Pooled {
-    /// Pools the layer number `place` of a picture, whose light without outliers is `dimmed` and whose guides are `own`.
-    /// `floor` is added to the squared light of a pixel, to which errors are relative.
+    /// Pools the layer number `place` of a picture, whose light without outliers is `dimmed` and whose guides are
+    /// `own`. `floor` is added to the squared light of a pixel, to which errors are relative.
     pub fn new(
         (halves, dimmed): (&Halves, &[Planes; 2]),
         own: [&Guides; 2],
@@ -55,7 +55,8 @@ impl Pooled {
     }
 }
 
-/// The guides of both halves, pooled with those of neighbours: of all, or where they see a point through the same pixel.
+/// The guides of both halves, pooled with those of neighbours: of all, or where they see a point through the same
+/// pixel.
 fn pooled_guides<const STILL: bool>(
     halves: &Halves,
     own: [&Guides; 2],

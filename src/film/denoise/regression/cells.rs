@@ -1,8 +1,8 @@
 //! Sums over cells, two by two.
 //!
-//! A window is four cells around a corner: two of a row of cells, and two of the next one. So what is kept of a row of cells
-//! are the sums of every two of them that are side by side. The sums of windows whose cells are the four of a larger one
-//! are the sums of the larger cells.
+//! A window is four cells around a corner: two of a row of cells, and two of the next one. So what is kept of a row of
+//! cells are the sums of every two of them that are side by side. The sums of windows whose cells are the four of a
+//! larger one are the sums of the larger cells.
 
 use super::super::columns::{Columns, LANES};
 use super::super::planes::COLUMN;
@@ -35,7 +35,8 @@ impl Pairs {
         self.below.clear();
     }
 
-    /// Makes the row of cells below that above. All cells of the next one are to be added, block by block from left to right.
+    /// Makes the row of cells below that above. All cells of the next one are to be added, block by block from left to
+    /// right.
     pub fn start_row(&mut self) {
         swap(&mut self.above, &mut self.below);
         self.border.fill(0.0);

@@ -16,8 +16,8 @@ pub const ALONG: usize = FEATURES - 1;
 pub type Fit = [[Lanes; ALONG]; CHANNELS];
 
 /// The fitted light of a layer in a row of pixels of a block, in lanes: the fits of the four windows around each pixel,
-/// weighted as in bilinear interpolation. `fits` are those of the rows of windows above the pixels and below. `between` is
-/// memory for a fit for each of their entries.
+/// weighted as in bilinear interpolation. `fits` are those of the rows of windows above the pixels and below. `between`
+/// is memory for a fit for each of their entries.
 #[inline(always)]
 pub fn evaluate<F: Real>(
     guides: &Guides,
@@ -49,8 +49,8 @@ fn share_of(position: usize, cell: usize) -> f64 {
     ((position % cell) as f64 + 0.5) / cell as f64
 }
 
-/// The fits for pixels of row `y` between windows above and below. They are functions of the guides but the last one, which
-/// is the row: its part is in the constant.
+/// The fits for pixels of row `y` between windows above and below. They are functions of the guides but the last one,
+/// which is the row: its part is in the constant.
 #[inline(always)]
 fn interpolate<F: Real>(above: &[Lanes], below: &[Lanes], (y, cell): (usize, usize), into: &mut Fit) {
     let share = F::splat(share_of(y, cell));

@@ -16,8 +16,8 @@ const fn entry(row: usize, column: usize) -> usize {
     row * (row + 1) / 2 + column
 }
 
-/// Fits the windows between two rows of cells, into an entry for each place of a column and one for the first place of the
-/// next one. Windows have the places of their lower right cells.
+/// Fits the windows between two rows of cells, into an entry for each place of a column and one for the first place of
+/// the next one. Windows have the places of their lower right cells.
 #[inline(always)]
 pub fn fit_windows<F: Real>(pairs: &Pairs, cell: usize, fits: &mut Strip) {
     let columns = pairs.columns;
@@ -58,8 +58,8 @@ fn sum<F: Real>([above, below]: [&[Lanes]; 2], value: usize) -> F {
 
 /// Fits the light of the windows of a block to their features, each channel by a constant and slopes.
 ///
-/// The covariances of the guides are decomposed to L D Lᵀ: that is Cholesky's decomposition without its roots. `lower` is
-/// memory for L below its diagonal, which is 1.
+/// The covariances of the guides are decomposed to L D Lᵀ: that is Cholesky's decomposition without its roots. `lower`
+/// is memory for L below its diagonal, which is 1.
 #[inline(always)]
 fn fit_window<F: Real>(
     sums: [&[Lanes]; 2],

@@ -32,8 +32,8 @@ use std::ops::Range;
 /// The number of sizes of cells. Each has twice the side of the one before: 2, 4, 8 and 16 pixels.
 pub const SCALES: usize = 4;
 
-/// The fewest and the most rows of pixels that are fitted one after the other: multiples of the largest cell. The cells above
-/// and below are summed twice, so there are no more batches than threads, unless they would need much memory.
+/// The fewest and the most rows of pixels that are fitted one after the other: multiples of the largest cell. The cells
+/// above and below are summed twice, so there are no more batches than threads, unless they would need much memory.
 const BATCH: [usize; 2] = [4 * COLUMN, 12 * COLUMN];
 
 /// Fits all layers of light to guides at the first scales. The fits are evaluated at the guides `shown`. A fit stays

@@ -36,9 +36,9 @@ impl Scale {
         }
     }
 
-    /// Fits the windows whose lower cells are the row of cells `row`, which are added, and evaluates the fits at the pixels
-    /// of the row of cells above it, as far as they are in `rows`. Sums over windows that are cells of the `next` size are
-    /// added to these.
+    /// Fits the windows whose lower cells are the row of cells `row`, which are added, and evaluates the fits at the
+    /// pixels of the row of cells above it, as far as they are in `rows`. Sums over windows that are cells of the
+    /// `next` size are added to these.
     #[inline(always)]
     pub fn fit<F: Real>(
         &mut self,
