@@ -230,12 +230,12 @@ impl SimdKernel for Weigh<'_> {
             weight.store(weights, x);
             // Without weight, light may be infinite.
             let is_added = zero.lt(weight);
-            for channel in 0..3 {
-                let at = channel * stride + x;
-                let more = L::F32::select(is_added, L::F32::load(light[0][channel], x) * weight, zero);
-                (L::F32::load(first, at) + more).store(first, at);
-                let more = L::F32::select(is_added, L::F32::load(light[1][channel], x) * weight, zero);
-                (L::F32::load(second, at) + more).store(second, at);
+            for (light, sums) in light.iter().zip([&mut *first, &mut *second]) {
+                for (channel, light) in light.iter().enumerate() {
+                    let at = channel * stride + x;
+                    let more = L::F32::select(is_added, L::F32::load(light, x) * weight, zero);
+                    (L::F32::load(sums, at) + more).store(sums, at);
+                }
             }
         }
     }

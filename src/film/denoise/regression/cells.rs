@@ -53,9 +53,9 @@ impl Pairs {
     pub fn end_block(&mut self, block: usize) {
         let pairs = self.below.at_mut(block, 0);
         for ((Lanes(pair), Lanes(last)), border) in pairs.iter_mut().zip(&self.last).zip(&mut self.border) {
-            pair[0] = *border + pair[0];
+            pair[0] += *border;
             for lane in 1..LANES {
-                pair[lane] = last[lane - 1] + pair[lane];
+                pair[lane] += last[lane - 1];
             }
             *border = last[LANES - 1];
         }

@@ -71,8 +71,8 @@ fn fit_window<F: Real>(
     // 1 over the number of pixels, and 1 / D.
     let share = one / sum::<F>(sums, 0);
     let (mut means, mut inverses) = ([zero; COUNT], [zero; COUNT]);
-    for guide in 0..COUNT {
-        means[guide] = sum::<F>(sums, entry(guide + 1, 0)) * share;
+    for (guide, mean) in means.iter_mut().enumerate() {
+        *mean = sum::<F>(sums, entry(guide + 1, 0)) * share;
     }
     // The entries of L D in a row.
     let mut scaled = [zero; COUNT];
