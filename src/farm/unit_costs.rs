@@ -55,7 +55,7 @@ impl UnitCosts {
         let Some(most) = frame_states.iter().max_by_key(|state| state.moments) else {
             return Ok(Self::default());
         };
-        let small = downscaled(sequence, most, PILOT_SAMPLES);
+        let small = downscaled(sequence, most, PILOT_SAMPLES, 1);
         let chosen: Vec<u32> = frame_states.iter().map(|state| state.frame).collect();
         let (done, took) = rendered(&small, chosen, stills, threads)?;
         let pixels = |sequence: &Sequence| {

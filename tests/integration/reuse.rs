@@ -496,13 +496,25 @@ fn frames_with_much_motion_are_traced_alone() {
 fn plans_expect_shared_paths() {
     let mut sequence = moving("bounces: 3, antialias: 2,", "");
     sequence.output.size = (200, 150);
+    // Its films are traced in groups of two to 22, or alone, as the extents of its scene change.
+    let mut pendulum = shipped("annotated-pendulum.ron");
+    pendulum.output.size = (200, 125);
     let frames: Vec<u32> = (0..12).collect();
-    for (sequence, frames) in [(&sequence, frames.clone()), (&shipped("loop.ron"), (0..48).collect())] {
+    for (sequence, frames) in [
+        (&sequence, frames.clone()),
+        (&shipped("loop.ron"), (0..48).collect()),
+        (&pendulum, (0..100).collect()),
+    ] {
         let (_, found, plan) = planned(sequence, &frames, u64::MAX);
         let expected = plan::estimate_rays(sequence, &plan, PilotBudget::PLAN);
         assert!(expected.shares_paths, "{}", sequence.name);
         let rays = expected.rays.expect("a trial") as f64 / found.counts.rays.total() as f64;
         assert!((0.75..1.33).contains(&rays), "{}: {rays}", sequence.name);
+        let clock = TimeSource::Rays(1e-6);
+        let outlook = run_pilot(sequence, &plan, AovSet::default(), PilotTime::PLAN, clock);
+        let seconds = outlook.forecast(&sequence.quality).wall.mid;
+        let ratio = seconds / (1e-6 * found.counts.rays.total() as f64);
+        assert!((0.75..1.33).contains(&ratio), "{}: {ratio} of the time", sequence.name);
     }
     let (_, found, plan) = planned(&sequence, &frames, u64::MAX);
     let expected = plan::estimate_rays(&sequence, &plan, PilotBudget::PLAN);

@@ -5,7 +5,7 @@
 //! lower bound; an [`outlook`](super::outlook) estimates the real number.
 
 use super::camera_rays::{camera_rays, camera_rays_in_order};
-use super::path_shares::{ShareTrials, path_shares};
+use super::path_shares::{FilmShare, ShareTrials, path_shares};
 use super::render_plan::Plan;
 use crate::base::stats::ProgressMeter;
 use crate::encode::EncodeError;
@@ -134,16 +134,17 @@ pub fn cost_estimate(sequence: &Sequence, plan: &Plan, budget: PilotBudget) -> C
         let nearest = trials.get(film * trials.len() / films.len());
         let each =
             nearest.filter(|trial| trial.samples > 0.0).map_or(1.0, |trial| trial.rays / trial.samples);
-        let each = shares.rays[film].unwrap_or(each * shares.films[film]);
+        let share = &shares.films[film];
+        let each = share.rays.unwrap_or(each * share.paths);
         camera_rays(sequence, state) as f64 * each
     };
     let of_films: Vec<f64> = films.iter().enumerate().map(rays).collect();
     let unshared = counted_up(sequence, &films, &trials);
-    let camera = |(film, share): (&LitFrame, &f64)| camera_rays(sequence, film.0) as f64 * share;
+    let camera = |(film, share): (&LitFrame, &FilmShare)| camera_rays(sequence, film.0) as f64 * share.paths;
     let camera = films.iter().zip(&shares.films).map(camera).sum::<f64>().round();
     let alone = unshared_camera_rays(sequence, &films);
     let traced = if alone > 0 { camera / alone as f64 } else { 1.0 };
-    let shares_rays = shares.rays.iter().any(Option::is_some);
+    let shares_rays = shares.films.iter().any(|film| film.rays.is_some());
     let all = unshared.map(|rays| match shares_rays {
         true => of_films.iter().sum::<f64>().round() as u64,
         false => (rays as f64 * traced).round() as u64,
@@ -186,7 +187,8 @@ fn trials(sequence: &Sequence, films: &[LitFrame], budget: PilotBudget) -> Optio
     let chosen = films.len().min(budget.frames);
     let trial = |index: usize| {
         let (state, lit) = &films[(2 * index + 1) * films.len() / (2 * chosen)];
-        let small = downscaled(sequence, state, budget.samples);
+        // One in a pixel shows most of a picture.
+        let small = downscaled(sequence, state, budget.samples, 1);
         let mut frames = FrameLoop::new(&small, NullSink, Arc::new(ProgressMeter::default()));
         frames.trace(&state.alone(), lit).ok()?;
         let counts = frames.stats().counts.rays;
@@ -196,20 +198,18 @@ fn trials(sequence: &Sequence, films: &[LitFrame], budget: PilotBudget) -> Optio
     (0..chosen).map(trial).collect()
 }
 
-/// A smaller copy of the sequence, in which a frame has about `samples` samples in total, over as many pixels as
-/// possible.
-pub fn downscaled(sequence: &Sequence, state: &FrameState, samples: u64) -> Sequence {
+/// A smaller copy of the sequence, in which a frame has about `samples` samples in total. A pixel has at most `most` of
+/// them, unless more moments need them.
+pub fn downscaled(sequence: &Sequence, state: &FrameState, samples: u64, most: u32) -> Sequence {
     let mut small = sequence.clone();
-    small.quality.antialias = 1;
+    small.quality.antialias = sequence.quality.antialias.min(most.isqrt()).max(1);
     small.quality.denoise = Denoise::Off;
-    small.quality.samples = sequence.quality.samples.min(state.moments);
+    small.quality.samples = sequence.quality.samples.min(state.moments.max(most));
     if small.quality.noise.take().is_some() {
         small.quality.samples = MIN_SAMPLES;
     }
     let (width, height) = sequence.output.size;
-    let each = small.quality.samples.max(1);
-    let pixels = samples / u64::from(each);
-    let share = (pixels as f64 / (f64::from(width) * f64::from(height))).sqrt().min(1.0);
+    let share = (samples as f64 / camera_rays(&small, state).max(1) as f64).sqrt().min(1.0);
     let side = |whole: u32| ((f64::from(whole) * share).round() as u32).clamp(1, whole);
     small.output.size = (side(width), side(height));
     small

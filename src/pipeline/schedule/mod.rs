@@ -33,5 +33,5 @@ pub use known_samples::KnownSamples;
 pub use preview::Preview;
 pub use prober::{PassCost, Prober};
 pub use progressive_loop::ProgressiveLoop;
-pub use shared_paths::PathGroup;
+pub use shared_paths::{PathGroup, SharingTrial};
 pub use stages::{FilmCollector, FilmSink, FrameError, FrameStage, Stats};

@@ -6,13 +6,18 @@ use super::stages::{FilmSink, FrameError, RenderSettings, RunProgress};
 use crate::appearance::light::Light;
 use crate::appearance::material::{Material, TextureSlot};
 use crate::appearance::texture::Texture;
+use crate::base::clock::{ElapsedTime, TimeSource, timed};
 use crate::base::color::Rgb;
+use crate::base::stats::{Counts, ProgressMeter};
 use crate::camera::Camera;
 use crate::film::{Film, LayerId};
 use crate::scene::top_level::Bvh;
 use crate::scene::{Geometry, Scene, Shading, Weights};
-use crate::trace::{BYTES_PER_POSE, FramePose, MAX_FRAMES, Moment, PathObstacle, SharedFrames, sharing_pays};
+use crate::trace::{
+    BYTES_PER_POSE, FramePose, MAX_FRAMES, Moment, PathObstacle, SharedFrames, TraceSettings, sharing_pays,
+};
 use crate::world::Current;
+use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -73,6 +78,28 @@ pub struct PathGroup {
     pub pays: bool,
 }
 
+/// Frames that can share paths, found without tracing.
+pub struct FittingFrames {
+    /// Their number, from the first one of those that were asked for on: two or more, or none.
+    pub frames: usize,
+    /// Why the next frame cannot. None if there is no next frame.
+    pub end: Option<PathObstacle>,
+    /// Bytes of the copies of their scenes.
+    pub bytes: u64,
+}
+
+/// Frames that were traced together and alone, to measure what sharing paths saves.
+#[derive(Clone, Copy)]
+pub struct SharingTrial {
+    pub counts: Counts,
+    pub counts_alone: Counts,
+    pub took: ElapsedTime,
+    pub took_alone: ElapsedTime,
+}
+
+/// Where among the frames of a trial those are that it traces alone: from 0, the first one, to 1.
+const ALONE: [f64; 2] = [0.25, 0.75];
+
 /// Weights that light these layers.
 pub fn weights_of(state: &FrameState, lit: &[LayerId]) -> Weights {
     let mut weights = Weights(vec![Rgb::ZERO; state.weights.len()]);
@@ -101,7 +128,7 @@ impl<S: FilmSink> FrameLoop<S> {
             return Ok(PathGroup { films: 0, end, pays: false });
         }
         let _span = tracing::info_span!("trace together", first = first.frame).entered();
-        let settings = self.world.resource::<RenderSettings>().0.clone();
+        let settings = self.settings();
         let poses: Vec<FramePose> = snapshots.iter().map(|snapshot| snapshot.pose(&weights)).collect();
         let meter = Arc::clone(&self.world.resource::<RunProgress>().0);
         let (mut start, mut films) = (Instant::now(), 0);
@@ -113,6 +140,56 @@ impl<S: FilmSink> FrameLoop<S> {
             taken
         })?;
         Ok(PathGroup { films, end, pays: traced.is_some_and(|counts| sharing_pays(&counts)) })
+    }
+
+    /// How many of these frames, from the first on, [`FrameLoop::trace_together`] would trace together.
+    pub fn fitting(
+        &mut self,
+        states: &[&FrameState],
+        lit: &[LayerId],
+        budget: u64,
+    ) -> Result<FittingFrames, FrameError> {
+        let Some(first) = states.first() else { return Ok(FittingFrames { frames: 0, end: None, bytes: 0 }) };
+        let weights = weights_of(first, lit);
+        let (snapshots, end) = self.without_tracing(|frames| frames.snapshots(states, &weights, budget))?;
+        let frames = snapshots.last().map_or(0, |last| last.frame + 1);
+        let before = std::iter::once(None).chain(snapshots.iter().map(Some));
+        let bytes_of = |(own, before): (&Snapshot, Option<&Snapshot>)| own.bytes_besides(before);
+        let bytes = snapshots.iter().zip(before).flat_map(bytes_of).sum();
+        Ok(FittingFrames { frames: if frames > 1 { frames } else { 0 }, end, bytes })
+    }
+
+    /// Traces frames together, each of which stands for so many, and [some](ALONE) of them alone. None if they cannot share
+    /// paths.
+    pub fn try_together(
+        &mut self,
+        (states, times): (&[&FrameState], f64),
+        lit: &[LayerId],
+        budget: u64,
+        clock: TimeSource,
+    ) -> Result<Option<SharingTrial>, FrameError> {
+        let Some(first) = states.first() else { return Ok(None) };
+        let weights = weights_of(first, lit);
+        let (snapshots, _) = self.without_tracing(|frames| frames.snapshots(states, &weights, budget))?;
+        let last = states.len() - 1;
+        if last == 0 || snapshots.last().is_none_or(|snapshot| snapshot.frame < last) {
+            return Ok(None);
+        }
+        let settings = self.settings();
+        let poses: Vec<FramePose> = snapshots.iter().map(|snapshot| snapshot.pose(&weights)).collect();
+        let frames = SharedFrames::new(&poses, &settings).for_more(times);
+        let (counts_alone, alone) =
+            timed(|| frames.trace_alone(&ALONE.map(|at| (at * last as f64).round() as usize)));
+        let drop = &mut |_, _| Ok::<_, Infallible>(());
+        let (Ok(counts), took) = timed(|| frames.trace(&ProgressMeter::default(), drop));
+        let Some(counts) = counts else { return Ok(None) };
+        let [took, took_alone] = [(took, counts.rays), (alone, counts_alone.rays)]
+            .map(|(took, rays)| clock.elapsed(took, rays.total()));
+        Ok(Some(SharingTrial { counts, counts_alone, took, took_alone }))
+    }
+
+    fn settings(&self) -> TraceSettings {
+        self.world.resource::<RenderSettings>().0.clone()
     }
 
     /// Snapshots of all moments of the first frames that can share paths, and why the next frame cannot.

@@ -137,6 +137,11 @@ impl<'a> SharedFrames<'a> {
         Self { poses, settings, count, still, movers: Movers::new(&all, &slots), limits: Limits::default() }
     }
 
+    /// The same frames, but each stands for so many: paths are shared where that would pay for all of them.
+    pub fn for_more(self, times: f64) -> Self {
+        Self { limits: Limits { times, ..self.limits }, ..self }
+    }
+
     /// Traces all frames, and passes each film to `take` as soon as it is complete, in order, with the counts since the one
     /// before. Returns all counts; none if there are no frames, or if the run is stopped.
     ///
@@ -211,6 +216,20 @@ impl<'a> SharedFrames<'a> {
             take(film, std::mem::take(&mut since))?;
         }
         Ok(Some(counts))
+    }
+
+    /// Traces some of the frames alone, to measure what they would have been. Returns their counts.
+    pub fn trace_alone(&self, frames: &[usize]) -> Counts {
+        let tracer = self.tracer();
+        let (pilot, rest) = tiles(self.settings.size);
+        let tiles: Vec<Vec<(u32, u32)>> = pilot.iter().chain(&rest).map(in_order).collect();
+        let mut counts = Counts::default();
+        for &frame in frames {
+            let alone = tiles.par_iter().with_max_len(ONE_EACH);
+            let alone: Vec<Counts> = alone.map(|pixels| tracer.trace_whole(pixels, frame).1).collect();
+            alone.into_iter().for_each(|more| counts += more);
+        }
+        counts
     }
 
     fn tracer(&self) -> TileTracer<'_> {

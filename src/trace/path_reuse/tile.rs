@@ -18,20 +18,21 @@ pub struct Limits {
     pub values: usize,
     /// Sums, one for each pose, pixel and layer, unless a block of pixels has more.
     pub sums: usize,
-    /// The gain below which they are not.
+    /// The gain below which they are not, and the number of frames for which each stands.
     pub gain: f64,
+    pub times: f64,
 }
 
 impl Limits {
     /// Whether frames that shared the paths so far gained enough.
     pub fn allow(&self, counts: &Counts) -> bool {
-        gains(counts, 1.0, self.gain)
+        gains(counts, self.times, self.gain)
     }
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { values: 1 << 16, sums: 1 << 18, gain: MIN_GAIN }
+        Self { values: 1 << 16, sums: 1 << 18, gain: MIN_GAIN, times: 1.0 }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::base::clock::ElapsedTime;
 use crate::film::denoise::samples_of_audit;
+use crate::pipeline::plan::path_shares::FilmShare;
 use crate::sequence::quality::{Denoise, NoiseTarget, Quality};
 use crate::trace::{MIN_SAMPLES, allocation, first_round};
 
@@ -66,6 +67,8 @@ pub struct PassEstimates {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmForecast {
     pub took: ElapsedTime,
+    /// The part of it that is not for paths: to prepare scenes and to denoise.
+    pub besides: ElapsedTime,
     /// Mean samples per pixel.
     pub samples: f64,
     /// Camera samples of all pixels, and rays of all kinds.
@@ -90,22 +93,38 @@ const POWER: f64 = 0.05;
 impl Uncertainty {
     pub const NONE: Self = Self(0.0);
     pub const ALL: [Self; 3] = [Self(-1.0), Self::NONE, Self(1.0)];
+
+    /// The factor of the cost of samples.
+    fn of_cost(self) -> f64 {
+        1.0 + COST * self.0
+    }
 }
 
 impl FilmForecast {
-    pub const NOTHING: Self =
-        Self { took: ElapsedTime::ZERO, samples: 0.0, camera: 0.0, rays: 0.0, error: None, missed: false };
+    pub const NOTHING: Self = Self {
+        took: ElapsedTime::ZERO,
+        besides: ElapsedTime::ZERO,
+        samples: 0.0,
+        camera: 0.0,
+        rays: 0.0,
+        error: None,
+        missed: false,
+    };
 
-    /// The forecast if only a share of the paths is traced, because other films share the rest. `rays` are those of all
-    /// kinds that are left, for each path of the whole film, if they are known: paths that are traced again meet what
-    /// moves, and may have more rays than others.
-    pub(super) fn traced(self, share: f64, rays: Option<f64>) -> Self {
-        let work = match rays {
-            Some(rays) if self.rays > 0.0 => (rays * self.camera / self.rays).min(1.0),
-            _ => share,
+    /// The forecast if only a share of the film is traced, because other films share the rest.
+    pub(super) fn traced(self, share: &FilmShare, uncertainty: Uncertainty) -> Self {
+        let Self { took, besides, camera, rays, .. } = self;
+        let rays = share.rays.map_or(rays * share.paths, |each| each * camera);
+        let time = match share.time {
+            Some(each) => each * (camera * uncertainty.of_cost()),
+            None => (took - besides) * share.paths,
         };
-        let Self { took, camera, rays, .. } = self;
-        Self { took: took * work, camera: camera * share, rays: rays * work, ..self }
+        Self { took: besides + time, camera: camera * share.paths, rays, ..self }
+    }
+
+    /// The forecast with more time that is not for paths.
+    fn and(self, more: ElapsedTime) -> Self {
+        Self { took: self.took + more, besides: self.besides + more, ..self }
     }
 
     /// Interpolates linearly between two films.
@@ -113,6 +132,7 @@ impl FilmForecast {
         let mix = |a: f64, b: f64| a * (1.0 - part) + b * part;
         Self {
             took: self.took * (1.0 - part) + other.took * part,
+            besides: self.besides * (1.0 - part) + other.besides * part,
             samples: mix(self.samples, other.samples),
             camera: mix(self.camera, other.camera),
             rays: mix(self.rays, other.rays),
@@ -146,8 +166,7 @@ impl PilotFilm {
                 // then.
                 let lost = audits(quality, MIN_SAMPLES.min(target.most));
                 let parts = self.prepare * self.rounds_of_parts(quality);
-                let alone = self.filtered(self.until(noise, (target, lost), uncertainty));
-                FilmForecast { took: alone.took + parts, ..alone }
+                self.filtered(self.until(noise, (target, lost), uncertainty)).and(parts)
             }
         }
     }
@@ -159,7 +178,7 @@ impl PilotFilm {
 
     /// The forecast with the time of denoising the film once.
     fn filtered(&self, forecast: FilmForecast) -> FilmForecast {
-        FilmForecast { took: forecast.took + self.filter * self.pixels, ..forecast }
+        forecast.and(self.filter * self.pixels)
     }
 
     /// Forecast for a target error, with so many samples per pixel that have no part in it.
@@ -182,14 +201,15 @@ impl PilotFilm {
 
     /// Forecast for `samples` per pixel in `rounds`. `work` is the number of samples weighted by their cost.
     fn with(&self, samples: f64, work: f64, rounds: f64, uncertainty: Uncertainty) -> FilmForecast {
-        let seconds = self.sample * (work * self.pixels * (1.0 + COST * uncertainty.0));
+        let seconds = self.sample * (work * self.pixels * uncertainty.of_cost());
         FilmForecast {
-            took: self.prepare * rounds + seconds,
+            took: seconds,
             samples,
             camera: samples * self.pixels,
             rays: work * self.pixels * self.rays,
             ..FilmForecast::NOTHING
         }
+        .and(self.prepare * rounds)
     }
 }
 

@@ -7,7 +7,6 @@ use crate::base::clock::{ElapsedTime, TimeSource, timed};
 use crate::base::color::Rgb;
 use crate::film::{AovSet, denoise};
 use crate::pipeline::plan::path_shares::{PathShares, ShareTrials, path_shares};
-use crate::pipeline::plan::ray_estimate::PilotBudget;
 use crate::pipeline::plan::render_plan::Plan;
 use crate::pipeline::plan::shared_films::SharedFilm;
 use crate::pipeline::schedule::{PassCost, Prober};
@@ -117,7 +116,8 @@ pub fn run_pilot(
         }
         pilots.extend(run.film(place, few));
     }
-    let trials = affordable(&pilots, 0.5 * limit.share * expected(&pilots, &known, run.spent));
+    let seconds = 0.5 * limit.seconds.min(limit.share * expected(&pilots, &known, run.spent));
+    let trials = affordable(&pilots, seconds, clock);
     let (shares, took) = timed(|| path_shares(sequence, plan, trials));
     run.spent = run.spent + clock.elapsed(took, 0);
     // The less a pilot has seen, the less it knows how long the run takes, and how long it may take itself. One that is
@@ -140,9 +140,9 @@ pub fn run_pilot(
 }
 
 /// The films that can be tried for sharing paths within `seconds`, by the time that they take to prepare.
-fn affordable(pilots: &[PilotFilm], seconds: f64) -> ShareTrials {
+fn affordable(pilots: &[PilotFilm], seconds: f64, clock: TimeSource) -> ShareTrials {
     let each = pilots.iter().map(|pilot| pilot.prepare.wall).sum::<f64>() / pilots.len().max(1) as f64;
-    ShareTrials::of_films((seconds / each.max(1e-9)) as usize, PilotBudget::PLAN.samples)
+    ShareTrials::of_films((seconds / each.max(1e-9)) as usize, seconds, clock)
 }
 
 /// The budget of one film.

@@ -3,7 +3,7 @@
 use super::film::{FilmForecast, PilotFilm, Uncertainty};
 use super::range::Range;
 use crate::base::clock::ElapsedTime;
-use crate::pipeline::plan::path_shares::PathShares;
+use crate::pipeline::plan::path_shares::{FilmShare, PathShares};
 use crate::sequence::quality::{MAX_SAMPLES, NoiseTarget, Quality};
 
 /// The pilot's measurements of a plan.
@@ -112,11 +112,10 @@ impl Outlook {
             alike.map(|pilot| (pilot.place, pilot.forecast(quality, uncertainty))).collect()
         };
         let known = [of(false), of(true)];
-        let film = |(place, &random): (usize, &bool)| {
-            let PathShares { films, rays, .. } = &self.shares;
-            between(&known[usize::from(random)], place).traced(films[place], rays[place])
+        let film = |((place, &random), share): ((usize, &bool), &FilmShare)| {
+            between(&known[usize::from(random)], place).traced(share, uncertainty)
         };
-        self.random.iter().enumerate().map(film).collect()
+        self.random.iter().enumerate().zip(&self.shares.films).map(film).collect()
     }
 }
 
@@ -156,17 +155,19 @@ mod tests {
     }
 
     #[test]
-    fn shared_paths_take_the_time_of_their_rays() {
-        let film = FilmForecast { camera: 100.0, rays: 400.0, ..took(2.0) };
-        let traced = |share, rays| {
-            let FilmForecast { took, camera, rays, .. } = film.traced(share, rays);
+    fn shared_paths_take_their_share_of_the_time() {
+        let besides = ElapsedTime { wall: 1.0, cpu: None };
+        let film = FilmForecast { camera: 100.0, rays: 400.0, besides, ..took(3.0) };
+        let traced = |share: FilmShare| {
+            let FilmForecast { took, camera, rays, .. } = film.traced(&share, Uncertainty::NONE);
             (took.wall, camera, rays)
         };
-        assert_eq!(traced(0.25, None), (0.5, 25.0, 100.0));
-        assert_eq!(traced(0.25, Some(2.0)), (1.0, 25.0, 200.0), "half of the four rays per path");
-        assert_eq!(traced(0.25, Some(5.0)), (2.0, 25.0, 400.0), "no more than alone");
-        assert_eq!(traced(1.5, None), (3.0, 150.0, 600.0), "with samples of other frames");
-        assert_eq!(FilmForecast::NOTHING.traced(0.5, Some(2.0)), FilmForecast::NOTHING);
+        let time = Some(ElapsedTime { wall: 0.015, cpu: None });
+        let shared = FilmShare { paths: 0.25, rays: Some(2.0), time };
+        assert_eq!(traced(shared), (2.5, 25.0, 200.0), "scenes are prepared as ever");
+        assert_eq!(traced(FilmShare::of_paths(0.25)), (1.5, 25.0, 100.0));
+        assert_eq!(traced(FilmShare::of_paths(1.5)), (4.0, 150.0, 600.0), "with samples of other frames");
+        assert_eq!(FilmForecast::NOTHING.traced(&shared, Uncertainty::NONE), FilmForecast::NOTHING);
     }
 
     #[test]
