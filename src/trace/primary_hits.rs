@@ -146,7 +146,7 @@ impl PrimaryHits {
         self.camera.pixel_ray(center(pixel, self.size.0), self.size).direction
     }
 
-    /// A point in a direction, as far away as anything that is projected to the same place.
+    /// A point that is seen in a direction, one unit away.
     fn point_towards(&self, direction: DVec3) -> Option<DVec3> {
         match self.camera.projection {
             Projection::Perspective { .. } => Some(self.camera.position + direction),

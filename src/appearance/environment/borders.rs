@@ -85,8 +85,8 @@ impl Borders {
         self.find_from(self.begin(self.step(row, value)), row, value)
     }
 
-    /// [`Borders::find`] of each lane, with a row for each. All ask for their borders before any is compared: those of many
-    /// rows do not fit into a core's cache, and would be waited for one after the other.
+    /// [`Borders::find`] of each lane, with a row for each. All ask for their borders before any is compared: those of
+    /// many rows do not fit into a core's cache, and would be waited for one after the other.
     #[inline(always)]
     pub fn find_each<F: Real>(&self, rows: &[usize; 8], values: F) -> [usize; 8] {
         let (values, mut at) = (values.to_array(), [0; 8]);
@@ -147,6 +147,8 @@ impl Borders {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::lanes::tests::on_all_levels;
+    use crate::base::lanes::{Row, SimdKernel, dispatch};
     use crate::testing::Random;
 
     /// Even, crowded and equal borders, and values at them, between them and beyond them.
@@ -176,9 +178,36 @@ mod tests {
                 for value in inner.chain(anywhere).chain([-9.0, 9.0]) {
                     let all = ends.partition_point(|end| *end <= value).clamp(1, ends.len() - 1) - 1;
                     assert_eq!(borders.find(row, value), all, "{value:e}");
-                    assert_eq!(borders.find_each::<f64>(&[row; 8], value)[0], all, "{value:e}");
                 }
                 assert!(borders.find(row, f64::NAN) < ends.len() - 1);
+            }
+        }
+    }
+
+    struct Each<'a>(&'a Borders, [usize; 8], [f64; 8]);
+
+    impl SimdKernel for Each<'_> {
+        type Output = [usize; 8];
+
+        #[inline(always)]
+        fn run<L: Level>(self) -> [usize; 8] {
+            self.0.find_each(&self.1, L::F64::from_array(self.2))
+        }
+    }
+
+    /// Eight lanes, in rows of their own, find what each finds alone.
+    #[test]
+    fn lanes_find_their_own_intervals() {
+        let mut random = Random(6);
+        let row =
+            |power: i32| (0..=100).map(move |i| libm::pow(f64::from(i) / 100.0, f64::from(power))).collect();
+        let borders = Borders::new((1..=9).map(row));
+        for _ in 0..1000 {
+            let rows = std::array::from_fn(|_| (random.unit() * 9.0) as usize);
+            let values = std::array::from_fn(|_| random.unit());
+            let alone: [usize; 8] = std::array::from_fn(|lane| borders.find(rows[lane], values[lane]));
+            for (level, all) in on_all_levels(|| dispatch(Each(&borders, rows, values))) {
+                assert_eq!(all, alone, "{level:?} {rows:?} {values:?}");
             }
         }
     }

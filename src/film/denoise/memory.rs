@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Memory for the filters of a run. Clones share it.
 ///
-/// It never holds more than the filters of two frames have used: [`Memory::settle`] frees what one did not need.
+/// Between frames, it holds what the last filter used: [`Memory::settle`] frees the rest.
 #[derive(Clone, Default)]
 pub struct Memory(Arc<Shelves>);
 
@@ -32,16 +32,23 @@ struct Free<T> {
 
 /// Types of entries.
 pub trait Entry: Copy + Default {
+    /// What unset entries have in tests, which shows if one is read before it is written.
+    const UNSET: Self;
+
     fn shelf(memory: &Memory) -> &Shelf<Self>;
 }
 
 impl Entry for f32 {
+    const UNSET: Self = Self::NAN;
+
     fn shelf(memory: &Memory) -> &Shelf<Self> {
         &memory.0.numbers
     }
 }
 
 impl Entry for Taps {
+    const UNSET: Self = Self { column: 0, row: 0, weights: [f32::NAN; 4], is_still: false };
+
     fn shelf(memory: &Memory) -> &Shelf<Self> {
         &memory.0.taps
     }
@@ -57,10 +64,10 @@ impl<T: Copy + Default> Shelf<T> {
     /// The least memory for so many entries, without what is far too large.
     fn find(&self, count: usize) -> Option<Vec<T>> {
         let mut all = self.all();
-        let fits = |free: &&(usize, usize)| (count..=2 * count).contains(&free.1);
-        let sizes: Vec<(usize, usize)> = all.iter().map(|free| free.data.len()).enumerate().collect();
-        let (index, _) = sizes.iter().filter(fits).min_by_key(|(_, size)| *size)?;
-        Some(all.swap_remove(*index).data)
+        let sizes = all.iter().map(|free| free.data.len()).enumerate();
+        let fitting = sizes.filter(|(_, size)| (count..=2 * count).contains(size));
+        let (index, _) = fitting.min_by_key(|(_, size)| *size)?;
+        Some(all.swap_remove(index).data)
     }
 
     fn give_back(&self, data: Vec<T>) {
@@ -98,7 +105,11 @@ impl Memory {
         let all = count + margin::<T>();
         let data = T::shelf(self).find(all).unwrap_or_else(|| vec![T::default(); all]);
         let first = data.as_ptr().align_offset(LINE).min(margin::<T>());
-        Held { data, first, count, memory: self.clone() }
+        let mut held = Held { data, first, count, memory: self.clone() };
+        if cfg!(test) {
+            held.fill(T::UNSET);
+        }
+        held
     }
 }
 

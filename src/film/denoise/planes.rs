@@ -32,11 +32,7 @@ impl Planes {
     /// Any numbers, all of which are to be overwritten, also in the padding.
     pub fn unset(memory: &Memory, (width, height): (usize, usize), count: usize) -> Self {
         let stride = width.next_multiple_of(COLUMN);
-        let mut data = memory.unset(stride * height * count);
-        // So tests show what is read before it is written.
-        if cfg!(test) {
-            data.fill(f32::NAN);
-        }
+        let data = memory.unset(stride * height * count);
         Self { width, height, stride, count, data }
     }
 

@@ -10,7 +10,7 @@ const SIZE: (u32, u32) = (256, 64);
 
 /// Denoises a small picture of noise with so many layers of light and that many neighbours, and returns the number of its
 /// pixels. The time per pixel hardly depends on what is in a picture.
-pub fn trial(layers: usize, neighbors: usize) -> usize {
+pub fn trial(layers: usize, neighbors: usize, memory: &Memory) -> usize {
     let film = |part: u32| {
         let guides = part < 2;
         let mut film =
@@ -23,10 +23,9 @@ pub fn trial(layers: usize, neighbors: usize) -> usize {
         film
     };
     let [first, second, a, b] = [0, 1, 2, 3].map(film);
-    let memory = Memory::default();
-    let halves = Halves::new([first, second], &memory);
+    let halves = Halves::new([first, second], memory);
     let neighbors: Vec<Neighbor> =
-        (0..neighbors).map(|_| Neighbor { halves: &halves, reprojection: shifted(&memory) }).collect();
+        (0..neighbors).map(|_| Neighbor { halves: &halves, reprojection: shifted(memory) }).collect();
     let film = denoise(&SampleFilms { halves: &halves, neighbors: &neighbors, audits: [&a, &b] }, 1.0);
     std::hint::black_box(&film);
     (SIZE.0 * SIZE.1) as usize

@@ -116,3 +116,20 @@ impl LaneHit<f64> {
         self.lane(0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_of_the_lanes_of_their_number() {
+        for mask in [false, true] {
+            for (yes, no) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                assert_eq!(
+                    select_bits(<f64 as Row>::Mask::splat(mask), yes, no),
+                    if mask { yes } else { no }
+                );
+            }
+        }
+    }
+}

@@ -16,6 +16,7 @@ mod effects;
 mod evaluate;
 mod outline;
 mod outlook;
+mod group_trial;
 mod path_shares;
 mod ray_estimate;
 mod render_plan;

@@ -199,7 +199,7 @@ fn trials(sequence: &Sequence, films: &[LitFrame], budget: PilotBudget) -> Optio
 }
 
 /// A smaller copy of the sequence, in which a frame has about `samples` samples in total. A pixel has at most `most` of
-/// them, unless more moments need them.
+/// them, unless several moments or a target error need more.
 pub fn downscaled(sequence: &Sequence, state: &FrameState, samples: u64, most: u32) -> Sequence {
     let mut small = sequence.clone();
     small.quality.antialias = sequence.quality.antialias.min(most.isqrt()).max(1);

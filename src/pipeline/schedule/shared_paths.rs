@@ -13,6 +13,7 @@ use crate::camera::Camera;
 use crate::film::{Film, LayerId};
 use crate::scene::top_level::Bvh;
 use crate::scene::{Geometry, Scene, Shading, Weights};
+use crate::sequence::Sequence;
 use crate::trace::{
     BYTES_PER_POSE, FramePose, MAX_FRAMES, Moment, PathObstacle, SharedFrames, TraceSettings, sharing_pays,
 };
@@ -84,7 +85,7 @@ pub struct FittingFrames {
     pub frames: usize,
     /// Why the next frame cannot. None if there is no next frame.
     pub end: Option<PathObstacle>,
-    /// Bytes of the copies of their scenes.
+    /// Bytes of the copy of a scene, as a mean.
     pub bytes: u64,
 }
 
@@ -97,7 +98,7 @@ pub struct SharingTrial {
     pub took_alone: ElapsedTime,
 }
 
-/// Where among the frames of a trial those are that it traces alone: from 0, the first one, to 1.
+/// Where among the frames of a trial those are that it traces alone: from 0, the first one, to 1, the last one.
 const ALONE: [f64; 2] = [0.25, 0.75];
 
 /// Weights that light these layers.
@@ -155,37 +156,44 @@ impl<S: FilmSink> FrameLoop<S> {
         let frames = snapshots.last().map_or(0, |last| last.frame + 1);
         let before = std::iter::once(None).chain(snapshots.iter().map(Some));
         let bytes_of = |(own, before): (&Snapshot, Option<&Snapshot>)| own.bytes_besides(before);
-        let bytes = snapshots.iter().zip(before).flat_map(bytes_of).sum();
+        let bytes: u64 = snapshots.iter().zip(before).flat_map(bytes_of).sum();
+        let bytes = bytes / frames.max(1) as u64;
         Ok(FittingFrames { frames: if frames > 1 { frames } else { 0 }, end, bytes })
     }
 
-    /// Traces frames together, each of which stands for so many, and [some](ALONE) of them alone. None if they cannot share
-    /// paths.
+    /// Traces frames together, each of which stands for so many, and [some](ALONE) of them alone, in pictures of the sizes
+    /// and samples of one sequence after the other. `next` gives these, by the trials so far. None are traced if the frames
+    /// cannot share paths.
     pub fn try_together(
         &mut self,
         (states, times): (&[&FrameState], f64),
         lit: &[LayerId],
-        budget: u64,
-        clock: TimeSource,
-    ) -> Result<Option<SharingTrial>, FrameError> {
-        let Some(first) = states.first() else { return Ok(None) };
+        (budget, clock): (u64, TimeSource),
+        next: &mut dyn FnMut(&[SharingTrial]) -> Option<Sequence>,
+    ) -> Result<Vec<SharingTrial>, FrameError> {
+        let Some(first) = states.first() else { return Ok(Vec::new()) };
         let weights = weights_of(first, lit);
         let (snapshots, _) = self.without_tracing(|frames| frames.snapshots(states, &weights, budget))?;
         let last = states.len() - 1;
         if last == 0 || snapshots.last().is_none_or(|snapshot| snapshot.frame < last) {
-            return Ok(None);
+            return Ok(Vec::new());
         }
-        let settings = self.settings();
         let poses: Vec<FramePose> = snapshots.iter().map(|snapshot| snapshot.pose(&weights)).collect();
-        let frames = SharedFrames::new(&poses, &settings).for_more(times);
-        let (counts_alone, alone) =
-            timed(|| frames.trace_alone(&ALONE.map(|at| (at * last as f64).round() as usize)));
-        let drop = &mut |_, _| Ok::<_, Infallible>(());
-        let (Ok(counts), took) = timed(|| frames.trace(&ProgressMeter::default(), drop));
-        let Some(counts) = counts else { return Ok(None) };
-        let [took, took_alone] = [(took, counts.rays), (alone, counts_alone.rays)]
-            .map(|(took, rays)| clock.elapsed(took, rays.total()));
-        Ok(Some(SharingTrial { counts, counts_alone, took, took_alone }))
+        let mut trials = Vec::new();
+        while let Some(sequence) = next(&trials) {
+            let quality = sequence.quality.of_frame(first.frame);
+            let settings = TraceSettings { size: sequence.output.size, quality, ..self.settings() };
+            let frames = SharedFrames::new(&poses, &settings).for_more(times);
+            let some = ALONE.map(|at| (at * last as f64).round() as usize);
+            let (counts_alone, alone) = timed(|| frames.trace_alone(&some));
+            let drop = &mut |_, _| Ok::<_, Infallible>(());
+            let (Ok(counts), took) = timed(|| frames.trace(&ProgressMeter::default(), drop));
+            let Some(counts) = counts else { break };
+            let [took, took_alone] = [(took, counts.rays), (alone, counts_alone.rays)]
+                .map(|(took, rays)| clock.elapsed(took, rays.total()));
+            trials.push(SharingTrial { counts, counts_alone, took, took_alone });
+        }
+        Ok(trials)
     }
 
     fn settings(&self) -> TraceSettings {

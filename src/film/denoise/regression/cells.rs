@@ -67,6 +67,7 @@ impl Pairs {
         let pairs = self.below.at_mut(self.columns.blocks(), 0);
         for (pair, border) in pairs.iter_mut().zip(&self.border) {
             *pair = Lanes::ZERO;
+            // As any other pair: a sum, in which -0 becomes 0.
             pair.0[0] = *border + 0.0;
         }
     }
