@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Memory for the filters of a run. Clones share it.
 ///
-/// Between frames, it holds what the last filter used: [`Memory::settle`] frees the rest.
+/// Between frames, it holds what the last filter used: `settle` frees the rest.
 #[derive(Clone, Default)]
 pub struct Memory(Arc<Shelves>);
 

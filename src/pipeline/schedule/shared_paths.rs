@@ -161,7 +161,7 @@ impl<S: FilmSink> FrameLoop<S> {
         Ok(FittingFrames { frames: if frames > 1 { frames } else { 0 }, end, bytes })
     }
 
-    /// Traces frames together, each of which stands for so many, and [some](ALONE) of them alone, in pictures of the sizes
+    /// Traces frames together, each of which stands for so many, and two of them alone, in pictures of the sizes
     /// and samples of one sequence after the other. `next` gives these, by the trials so far. None are traced if the frames
     /// cannot share paths.
     pub fn try_together(
