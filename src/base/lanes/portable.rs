@@ -39,6 +39,11 @@ impl Level for Portable {
     }
 
     #[inline(always)]
+    fn transpose(rows: [F32x8; 8]) -> [F32x8; 8] {
+        per_lane(|lane| F32x8(per_lane(|row| rows[row].0[lane])))
+    }
+
+    #[inline(always)]
     fn prefetch<T>(_: &[T], _: usize) {}
 }
 

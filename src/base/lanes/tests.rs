@@ -227,6 +227,33 @@ fn lanes_come_from_memory_and_go_there_in_their_order() {
 }
 
 #[test]
+fn rows_are_transposed() {
+    struct Transpose<'a>(&'a [f32; 64]);
+    impl SimdKernel for Transpose<'_> {
+        type Output = [[f32; 8]; 8];
+
+        #[inline(always)]
+        fn run<L: Level>(self) -> [[f32; 8]; 8] {
+            let mut rows = [L::F32::splat(0.0); 8];
+            for (number, row) in rows.iter_mut().enumerate() {
+                *row = L::F32::load(self.0, 8 * number);
+            }
+            let mut transposed = [[0.0; 8]; 8];
+            for (row, into) in L::transpose(rows).into_iter().zip(&mut transposed) {
+                *into = row.to_array();
+            }
+            transposed
+        }
+    }
+    let numbers: [f32; 64] = std::array::from_fn(|number| number as f32);
+    for (level, rows) in on_all_levels(|| dispatch(Transpose(&numbers))) {
+        for (lane, row) in rows.iter().enumerate() {
+            assert_eq!(*row, std::array::from_fn(|number| numbers[8 * number + lane]), "{level:?}");
+        }
+    }
+}
+
+#[test]
 fn filters_may_fuse_but_not_more() {
     struct Fused(f32, f32);
     impl SimdKernel for Fused {

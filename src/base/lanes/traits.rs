@@ -166,6 +166,8 @@ pub trait Level: Copy + 'static {
     fn call<K: SimdKernel>(kernel: K) -> K::Output;
     /// [`Level::call`] for a kernel that holds lanes.
     fn call_with<K: LaneKernel<Self>>(kernel: K) -> K::Output;
+    /// Row `i` of the result holds lane `i` of each row.
+    fn transpose(rows: [Self::F32; 8]) -> [Self::F32; 8];
     /// Prefetches the cache lines of the entry with index `soon`. The index may be out of bounds.
     fn prefetch<T>(all: &[T], soon: usize);
 }

@@ -8,6 +8,7 @@
 //! as far as there are several of each pixel. So what is worked on at once is in few pages, and read in its order.
 
 use super::planes::COLUMN;
+use crate::base::lanes::{Level, Row};
 
 /// The lanes of a row of numbers.
 pub const LANES: usize = 8;
@@ -41,55 +42,73 @@ impl Columns {
         COLUMN * self.padded
     }
 
-    /// Spreads a row of pixels, padded to whole columns, over lanes: as a number of each pixel, which has so many.
+    /// Spreads a row of pixels, padded to whole columns, over lanes: as a number of each pixel, which has so many. Beside
+    /// the columns, numbers are 0.
     #[inline(always)]
-    pub fn spread(self, row: &[f32], (number, numbers): (usize, usize), into: &mut [f32]) {
-        for (column, pixels) in row.as_chunks::<COLUMN>().0.iter().enumerate() {
-            let into = &mut into[first_of(column, numbers) + number * LANES..][..step(numbers)];
-            for (place, pixel) in pixels.iter().enumerate() {
-                into[place * numbers * LANES] = *pixel;
-            }
-        }
-    }
-
-    /// Collects a number of each pixel of a row from lanes.
-    #[inline(always)]
-    pub fn collect(self, from: &[f32], (number, numbers): (usize, usize), row: &mut [f32]) {
-        for (column, pixels) in row.as_chunks_mut::<COLUMN>().0.iter_mut().enumerate() {
-            let from = &from[first_of(column, numbers) + number * LANES..][..step(numbers)];
-            for (place, pixel) in pixels.iter_mut().enumerate() {
-                *pixel = from[place * numbers * LANES];
+    pub fn spread<L: Level>(self, row: &[f32], (number, numbers): (usize, usize), into: &mut [f32]) {
+        for block in 0..self.blocks() {
+            let columns = row.as_chunks::<COLUMN>().0.iter().skip(block * LANES).take(LANES);
+            for first in (0..COLUMN).step_by(LANES) {
+                let mut pixels = [L::F32::splat(0.0); LANES];
+                for (pixels, column) in pixels.iter_mut().zip(columns.clone()) {
+                    *pixels = L::F32::load(column, first);
+                }
+                for (place, lanes) in L::transpose(pixels).into_iter().enumerate() {
+                    lanes.store(into, ((block * COLUMN + first + place) * numbers + number) * LANES);
+                }
             }
         }
     }
 }
 
-/// The index of the first number of a column's first pixel.
+/// Eight pixels of each column of a block, from the place `first` on: a number of the pixels of the block, which have so
+/// many.
 #[inline(always)]
-fn first_of(column: usize, numbers: usize) -> usize {
-    column / LANES * LANES * COLUMN * numbers + column % LANES
-}
-
-/// From a number of a column's first pixel to behind that of its last one.
-#[inline(always)]
-fn step(numbers: usize) -> usize {
-    (COLUMN - 1) * numbers * LANES + 1
+pub fn collect<L: Level>(block: &[f32], (number, numbers): (usize, usize), first: usize) -> [L::F32; LANES] {
+    let mut lanes = [L::F32::splat(0.0); LANES];
+    for (place, lanes) in lanes.iter_mut().enumerate() {
+        *lanes = L::F32::load(block, ((first + place) * numbers + number) * LANES);
+    }
+    L::transpose(lanes)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::lanes::{SimdKernel, dispatch};
+
+    /// Spreads a row over lanes and collects it.
+    struct Back<'a>(Columns, &'a [f32]);
+
+    impl SimdKernel for Back<'_> {
+        type Output = Vec<f32>;
+
+        #[inline(always)]
+        fn run<L: Level>(self) -> Vec<f32> {
+            let Self(columns, row) = self;
+            let mut lanes = vec![0.0; 3 * columns.of_row()];
+            columns.spread::<L>(row, (1, 3), &mut lanes);
+            assert_eq!(lanes[(3 * (COLUMN - 1) + 1) * LANES], row[COLUMN - 1]);
+            let mut back = vec![f32::NAN; columns.of_row()];
+            for (block, lanes) in lanes.chunks_exact(3 * COLUMN * LANES).enumerate() {
+                for first in [0, LANES] {
+                    for (lane, pixels) in collect::<L>(lanes, (1, 3), first).into_iter().enumerate() {
+                        pixels.store(&mut back, (block * LANES + lane) * COLUMN + first);
+                    }
+                }
+            }
+            back
+        }
+    }
 
     #[test]
     fn rows_come_back_from_lanes() {
         for width in [1, 16, 17, 128, 300] {
             let columns = Columns::new(width);
             let row: Vec<f32> = (0..columns.pixels()).map(|x| x as f32).collect();
-            let (mut lanes, mut back) = (vec![0.0; 3 * columns.of_row()], vec![0.0; row.len()]);
-            columns.spread(&row, (1, 3), &mut lanes);
-            assert_eq!(lanes[(3 * (COLUMN - 1) + 1) * LANES], 15.0);
-            columns.collect(&lanes, (1, 3), &mut back);
-            assert_eq!(back, row);
+            let back = dispatch(Back(columns, &row));
+            assert_eq!(back[..row.len()], row);
+            assert!(back[row.len()..].iter().all(|number| *number == 0.0));
         }
     }
 }

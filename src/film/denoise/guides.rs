@@ -4,7 +4,7 @@ use super::super::Film;
 use super::columns::{Columns, LANES};
 use super::memory::{Held, Memory};
 use super::planes::COLUMN;
-use crate::base::lanes::{Real, Row, Single};
+use crate::base::lanes::{Level, Real, Row, Select, SimdKernel, Single, dispatch};
 use crate::film::aov::GUIDES;
 use rayon::prelude::*;
 
@@ -25,7 +25,7 @@ pub const OF_HALF: usize = POSITION + 1;
 pub const OF_PIXEL: usize = 2 * OF_HALF;
 
 /// The pixels of a block.
-const BLOCK: usize = COLUMN * LANES;
+pub const BLOCK: usize = COLUMN * LANES;
 
 /// The number of features of a pixel: 1, and its guides. A linear function of the guides with a constant is a linear
 /// form of the features.
@@ -92,19 +92,16 @@ impl Guides {
                 for (x, (first, second)) in (0..).step_by(BLOCK).zip(blocks) {
                     let written = &mut pixels[..BLOCK.min(width - x)];
                     let pixels = read([x, y], written).unwrap_or(written);
-                    spread(pixels, (0, units[0]), first);
-                    spread(pixels, (1, units[1]), second);
+                    dispatch(Spread { pixels, units, into: [first, second] });
                 }
             },
         );
         let mut row = vec![0.0; 2 * columns.of_row()];
-        let places = |number: fn(usize) -> f32| {
-            let mut row = vec![0.0; columns.pixels()];
-            row.iter_mut().enumerate().take(width).for_each(|(x, value)| *value = number(x));
-            row
-        };
-        columns.spread(&places(|_| 1.0), (0, 2), &mut row);
-        columns.spread(&places(|x| x as f32), (1, 2), &mut row);
+        for x in 0..width {
+            let (block, place, lane) = (x / BLOCK, x % COLUMN, x / COLUMN % LANES);
+            let at = 2 * (block * BLOCK + place * LANES) + lane;
+            (row[at], row[at + LANES]) = (1.0, x as f32);
+        }
         let [first, second] = values;
         [(first, units[0], row.clone()), (second, units[1], row)].map(|(values, unit, row)| Self {
             columns,
@@ -119,38 +116,77 @@ impl Guides {
     /// Beside the picture, they are zero.
     #[inline(always)]
     pub fn features<F: Real>(&self, y: usize, block: usize, place: usize) -> [F; FEATURES] {
+        let pixels = self.pixels(y, block, place);
+        let mut features = [pixels.get::<F>(0); FEATURES];
+        for (feature, into) in features.iter_mut().enumerate().take(FEATURES - 1).skip(1) {
+            *into = pixels.get::<F>(feature);
+        }
+        features[FEATURES - 1] = features[0] * F::splat(y as f64);
+        features
+    }
+
+    /// The same eight pixels.
+    #[inline(always)]
+    pub fn pixels(&self, y: usize, block: usize, place: usize) -> PixelFeatures<'_> {
         let pixels = block * COLUMN + place;
-        let row = &self.row[2 * pixels * LANES..][..2 * LANES];
         let values = &self.values[(y * self.columns.of_row() + pixels * LANES) * POSITION..];
-        let values = &values[..POSITION * LANES];
-        let inside = F::F32::load(row, 0).to_f64();
-        [
-            inside,
-            F::F32::load(values, 0).to_f64(),
-            F::F32::load(values, LANES).to_f64(),
-            F::F32::load(values, 2 * LANES).to_f64(),
-            F::F32::load(values, 3 * LANES).to_f64(),
-            F::F32::load(values, 4 * LANES).to_f64(),
-            F::F32::load(values, 5 * LANES).to_f64(),
-            F::F32::load(values, 6 * LANES).to_f64(),
-            F::F32::load(row, LANES).to_f64(),
-            inside * F::splat(y as f64),
-        ]
+        PixelFeatures {
+            values: &values[..POSITION * LANES],
+            row: &self.row[2 * pixels * LANES..][..2 * LANES],
+        }
     }
 }
 
-/// Spreads the guides of one half of the pixels of a block over lanes. Its closeness gets a unit.
-fn spread(pixels: &[[f32; OF_PIXEL]], (half, unit): (usize, f32), into: &mut [f32; POSITION * BLOCK]) {
-    if pixels.len() < BLOCK {
-        into.fill(0.0);
+/// The features of eight pixels but the last one, which is that of their row.
+#[derive(Clone, Copy)]
+pub struct PixelFeatures<'a> {
+    values: &'a [f32],
+    row: &'a [f32],
+}
+
+impl PixelFeatures<'_> {
+    /// A feature.
+    #[inline(always)]
+    pub fn get<F: Real>(&self, feature: usize) -> F {
+        let lanes = match feature {
+            0 => F::F32::load(self.row, 0),
+            1..=POSITION => F::F32::load(self.values, (feature - 1) * LANES),
+            _ => F::F32::load(self.row, LANES),
+        };
+        lanes.to_f64()
     }
-    for (place, into) in into.as_chunks_mut::<{ POSITION * LANES }>().0.iter_mut().enumerate() {
-        for (lane, pixel) in pixels.iter().skip(place).step_by(COLUMN).enumerate() {
-            let guides = &pixel[half * OF_HALF..][..POSITION];
-            for (guide, value) in guides.iter().enumerate() {
-                into[guide * LANES + lane] = *value;
+}
+
+/// Spreads the guides of both halves of the pixels of a block over lanes. Their closeness gets a unit.
+struct Spread<'a> {
+    pixels: &'a [[f32; OF_PIXEL]],
+    units: [f32; 2],
+    into: [&'a mut [f32; POSITION * BLOCK]; 2],
+}
+
+impl SimdKernel for Spread<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { pixels, units, into: [first, second] } = self;
+        let numbers = pixels.as_flattened();
+        for (half, into) in [first, second].into_iter().enumerate() {
+            for (place, into) in into.as_chunks_mut::<{ POSITION * LANES }>().0.iter_mut().enumerate() {
+                let mut guides = [L::F32::splat(0.0); LANES];
+                for (lane, guides) in guides.iter_mut().enumerate() {
+                    let at = (lane * COLUMN + place) * OF_PIXEL + half * OF_HALF;
+                    // Beside the picture, they are zero.
+                    if at < numbers.len() {
+                        *guides = L::F32::load(numbers, at);
+                    }
+                }
+                let mut guides = L::transpose(guides);
+                guides[CLOSENESS] = finite_lanes(guides[CLOSENESS] * L::F32::splat(units[half]));
+                for (guide, lanes) in guides.into_iter().enumerate().take(POSITION) {
+                    lanes.store(into, guide * LANES);
+                }
             }
-            into[CLOSENESS * LANES + lane] = finite(guides[CLOSENESS] * unit);
         }
     }
 }
@@ -190,6 +226,13 @@ fn units_of_closeness(pixels: &[[f32; OF_PIXEL]]) -> [f32; 2] {
 /// Albedos of thousands and surfaces at the camera would outweigh everything else.
 fn finite(guide: f32) -> f32 {
     if guide.is_finite() { guide.clamp(-LARGEST, LARGEST) } else { 0.0 }
+}
+
+/// [`finite`] of lanes.
+#[inline(always)]
+fn finite_lanes<S: Single>(guide: S) -> S {
+    let (largest, infinite) = (S::splat(LARGEST), S::splat(f32::INFINITY));
+    S::select(guide.abs().lt(infinite), guide.max(-largest).min(largest), S::splat(0.0))
 }
 
 /// No picture has more pixels in a row.

@@ -41,11 +41,13 @@ fn brightest_around(numbers: &Planes, plane: usize, y: usize) -> Vec<f32> {
 }
 
 /// Writes the least and the greatest light around each pixel of some rows, itself included, in every layer and channel,
-/// to the first rows of planes. A fit beyond them extrapolates: next to a lamp, it may be negative.
+/// to planes, which may have fewer rows: each takes the place of an earlier one. A fit beyond the bounds extrapolates: next
+/// to a lamp, it may be negative.
 pub fn bounds(light: &Planes, rows: Range<usize>, into: &mut [Planes; 2]) {
     let [least, most] = into;
     let mut columns = [f32::INFINITY, f32::NEG_INFINITY].map(|none| vec![none; light.stride + 2 * MARGIN]);
-    for ((least, most), y) in least.lines_mut().zip(most.lines_mut()).zip(rows) {
+    for y in rows {
+        let [least, most] = [&mut *least, &mut *most].map(|bound| bound.line_mut(y % bound.height));
         let lines = least.chunks_exact_mut(light.stride).zip(most.chunks_exact_mut(light.stride));
         for (plane, (least, most)) in lines.enumerate() {
             dispatch(Bounds { light, plane, y, columns: &mut columns, least, most });

@@ -82,7 +82,14 @@ impl Planes {
         [0, 1, 2].map(|channel| self.row(3 * layer + channel, y))
     }
 
+    /// All planes of a row, for writing.
+    pub fn line_mut(&mut self, y: usize) -> &mut [f32] {
+        let of_row = self.count * self.stride;
+        &mut self.data[y * of_row..][..of_row]
+    }
+
     /// All planes of each row, for writing in turn.
+    #[cfg(test)]
     pub fn lines_mut(&mut self) -> std::slice::ChunksMut<'_, f32> {
         self.data.chunks_mut((self.count * self.stride).max(1))
     }

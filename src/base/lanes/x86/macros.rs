@@ -42,6 +42,13 @@ macro_rules! level {
             }
 
             #[inline(always)]
+            fn transpose([a, b, c, d, e, f, g, h]: [F32x8; 8]) -> [F32x8; 8] {
+                let rows = [a.0, b.0, c.0, d.0, e.0, f.0, g.0, h.0];
+                let [a, b, c, d, e, f, g, h] = unsafe { crate::base::lanes::x86::transpose::transpose(rows) };
+                [F32x8(a), F32x8(b), F32x8(c), F32x8(d), F32x8(e), F32x8(f), F32x8(g), F32x8(h)]
+            }
+
+            #[inline(always)]
             fn prefetch<T>(all: &[T], soon: usize) {
                 crate::base::lanes::x86::prefetch::prefetch(all, soon);
             }

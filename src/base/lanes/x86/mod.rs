@@ -9,6 +9,7 @@ mod avx2;
 mod avx512;
 mod macros;
 mod prefetch;
+mod transpose;
 
 pub use prefetch::prefetch;
 

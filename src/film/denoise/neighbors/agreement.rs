@@ -128,34 +128,20 @@ impl SimdKernel for See<'_> {
     #[inline(always)]
     fn run<L: Level>(self) {
         let Self { from: Light { numbers, layers, layer, width }, taps, seen, is_seen } = self;
-        let stride = is_seen.len();
-        let [a, b, c, d, e, f] = split(seen, stride);
-        for (x, taps) in taps.iter().enumerate() {
-            let mut light = L::F32::splat(0.0);
-            for (pixel, weight) in taps.pixels(width) {
-                light = light
-                    + L::F32::load(numbers, (pixel * layers + layer) * OF_LAYER) * L::F32::splat(weight);
+        let (stride, layer) = (is_seen.len(), (layer * OF_LAYER, layers * OF_LAYER));
+        for x in (0..stride).step_by(L::F32::LANES) {
+            let (mut pixels, mut are_seen) = ([L::F32::splat(0.0); OF_LAYER], [0.0; OF_LAYER]);
+            for (lane, taps) in taps.iter().skip(x).take(L::F32::LANES).enumerate() {
+                pixels[lane] = taps.sum::<L::F32>(numbers, layer, width);
+                are_seen[lane] = if taps.is_seen() { 1.0 } else { 0.0 };
             }
-            let light = light.to_array();
-            [a[x], b[x], c[x]] = [light[0], light[1], light[2]];
-            [d[x], e[x], f[x]] = [light[4], light[5], light[6]];
-            is_seen[x] = if taps.is_seen() { 1.0 } else { 0.0 };
-        }
-        for row in [a, b, c, d, e, f, is_seen] {
-            row[taps.len()..].fill(0.0);
+            L::F32::load(&are_seen, 0).store(is_seen, x);
+            let [a, b, c, _, d, e, f, _] = L::transpose(pixels);
+            for (channel, light) in [a, b, c, d, e, f].into_iter().enumerate() {
+                light.store(seen, channel * stride + x);
+            }
         }
     }
-}
-
-/// The planes of a row.
-#[inline(always)]
-fn split(line: &mut [f32], stride: usize) -> [&mut [f32]; HALVES * 3] {
-    let mut rest = line;
-    [(); HALVES * 3].map(|()| {
-        let (row, others) = std::mem::take(&mut rest).split_at_mut(stride);
-        rest = others;
-        row
-    })
 }
 
 /// The sums around each pixel: all planes from afar, and two from nearby.

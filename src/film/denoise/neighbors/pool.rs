@@ -1,6 +1,6 @@
 //! The samples of a picture together with those of its neighbours.
 
-use super::super::guides::{Guides, OF_HALF, OF_PIXEL};
+use super::super::guides::{BLOCK, Guides, OF_HALF, OF_PIXEL};
 use super::super::halves::Halves;
 use super::super::planes::Planes;
 use super::Neighbor;
@@ -68,7 +68,7 @@ fn pooled_guides<const STILL: bool>(
     })
 }
 
-/// Pools the guides of some pixels of a row, from one on.
+/// Pools the guides of some pixels of a row, from one on: those of a block at most.
 struct PoolGuides<'a, const STILL: bool> {
     own: &'a [f32],
     width: usize,
@@ -83,26 +83,26 @@ impl<const STILL: bool> SimdKernel for PoolGuides<'_, STILL> {
     #[inline(always)]
     fn run<L: Level>(self) {
         let Self { own, width, all, pixel: [first, y], into } = self;
-        for (x, into) in (first..).zip(into) {
-            let own = &own[(y * width + x) * OF_PIXEL..][..OF_PIXEL];
-            let (mut sums, mut total) = ([L::F32::load(own, 0), L::F32::load(own, OF_HALF)], 1.0);
-            for WeightedNeighbor { neighbor: Neighbor { halves, reprojection }, weights } in all {
-                let (weight, taps) = (weights.row(0, y)[x], &reprojection.row(y)[x]);
-                if weight > 0.0 && (!STILL || taps.is_still) {
-                    let mut guides = [L::F32::splat(0.0); 2];
-                    for (pixel, share) in taps.pixels(width) {
-                        let found = &halves.guides[pixel * OF_PIXEL..][..OF_PIXEL];
-                        let share = L::F32::splat(share);
-                        guides[0] = guides[0] + L::F32::load(found, 0) * share;
-                        guides[1] = guides[1] + L::F32::load(found, OF_HALF) * share;
+        let own = &own[(y * width + first) * OF_PIXEL..][..into.len() * OF_PIXEL];
+        into.as_flattened_mut().copy_from_slice(own);
+        let mut totals = [1.0; BLOCK];
+        for WeightedNeighbor { neighbor: Neighbor { halves, reprojection }, weights } in all {
+            let pixels = weights.row(0, y)[first..].iter().zip(&reprojection.row(y)[first..]);
+            for ((sums, total), (weight, taps)) in into.iter_mut().zip(&mut totals).zip(pixels) {
+                if *weight > 0.0 && (!STILL || taps.is_still) {
+                    *total += weight;
+                    for half in [0, OF_HALF] {
+                        let guides = taps.sum::<L::F32>(&halves.guides, (half, OF_PIXEL), width);
+                        let sum = L::F32::load(sums, half) + guides * L::F32::splat(*weight);
+                        sum.store(sums, half);
                     }
-                    sums[0] = sums[0] + guides[0] * L::F32::splat(weight);
-                    sums[1] = sums[1] + guides[1] * L::F32::splat(weight);
-                    total += weight;
                 }
             }
-            (sums[0] / L::F32::splat(total)).store(into, 0);
-            (sums[1] / L::F32::splat(total)).store(into, OF_HALF);
+        }
+        for (sums, total) in into.iter_mut().zip(totals) {
+            for half in [0, OF_HALF] {
+                (L::F32::load(sums, half) / L::F32::splat(total)).store(sums, half);
+            }
         }
     }
 }

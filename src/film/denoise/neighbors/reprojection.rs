@@ -1,7 +1,7 @@
 //! Where another film of the same size sees the points that the pixels of a film see.
 
 use super::super::memory::{Held, Memory};
-use crate::base::lanes::{Level, Real, Row, SimdKernel, dispatch};
+use crate::base::lanes::{Level, Real, Row, SimdKernel, Single, dispatch};
 use rayon::prelude::*;
 
 /// Positions nearer to the centre of a pixel than this, in pixels, are the centre: where nothing moves, rounding must not
@@ -36,13 +36,29 @@ impl Taps {
         self.weights != [0.0; 4]
     }
 
-    /// The pixels that count, by their number in a picture of this width, and their weights. Others may hold any light,
-    /// also an infinite one, and may be beyond the edge.
+    /// The weighted sums of eight numbers of each pixel, from the number `first` on. Pixels of a picture of this width have
+    /// `count` numbers.
     #[inline(always)]
-    pub fn pixels(&self, width: usize) -> impl Iterator<Item = (usize, f32)> {
-        let first = self.row as usize * width + self.column as usize;
-        let pixels = [first, first + 1, first + width, first + width + 1];
-        pixels.into_iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0)
+    pub fn sum<S: Single>(&self, numbers: &[f32], (first, count): (usize, usize), width: usize) -> S {
+        let at = (self.row as usize * width + self.column as usize) * count + first;
+        let [a, b, c, d] = self.weights;
+        let mut sum = S::splat(0.0);
+        if (a > 0.0) & (b > 0.0) & (c > 0.0) & (d > 0.0) {
+            // Nearly all points that are seen: without a branch for each pixel.
+            let [upper, lower] = [at, at + width * count].map(|at| &numbers[at..][..count + S::LANES]);
+            sum = sum + S::load(upper, 0) * S::splat(a);
+            sum = sum + S::load(upper, count) * S::splat(b);
+            sum = sum + S::load(lower, 0) * S::splat(c);
+            sum = sum + S::load(lower, count) * S::splat(d);
+            return sum;
+        }
+        // Pixels without a weight may hold any light, also an infinite one, and may be beyond the edge.
+        for (pixel, weight) in [0, 1, width, width + 1].into_iter().zip(self.weights) {
+            if weight > 0.0 {
+                sum = sum + S::load(numbers, at + pixel * count) * S::splat(weight);
+            }
+        }
+        sum
     }
 }
 

@@ -1,8 +1,10 @@
-//! Sums over cells, two by two.
+//! Sums over cells, and over the windows that they make.
 //!
 //! A window is four cells around a corner: two of a row of cells, and two of the next one. So what is kept of a row of
-//! cells are the sums of every two of them that are side by side. The sums of windows whose cells are the four of a
-//! larger one are the sums of the larger cells.
+//! cells are the sums of every two of them that are side by side. As soon as a cell is added, the window of which it is
+//! the lower right one is complete, and its pair takes the place of the one above, which nothing needs any more. So sums
+//! are in the first cache while they are used. The sums of windows whose cells are the four of a larger one are the sums
+//! of the larger cells.
 
 use super::super::columns::{Columns, LANES};
 use super::super::planes::COLUMN;
@@ -11,82 +13,94 @@ use super::strip::{Lanes, Strip};
 use crate::base::lanes::Real;
 use std::mem::swap;
 
-/// The sums of two rows of cells. Those of a cell and the one on its left are at the place of the former.
-pub struct Pairs {
-    pub above: Strip,
-    pub below: Strip,
+/// The cells of a size. They are added row by row, block by block, and in the columns of a block from left to right.
+pub struct Cells {
     pub columns: Columns,
-    /// The sums of the last cell that was added.
+    /// The sums of the next cell in the columns of a block, which is added.
+    pub next: Vec<Lanes>,
+    /// The sums of the last window that was completed.
+    pub window: Vec<Lanes>,
+    /// The sums of every two cells in the row above, and behind the last cell that was added in its own row. Those of a
+    /// cell and the one on its left are at the place of the former.
+    pairs: Strip,
+    /// The sums of the last cell that was added, if it is not the first one of its column.
     last: Vec<Lanes>,
-    /// Of those of the last cell in a column, the ones of the last column of a block.
+    /// The sums of the first cells in the columns of the block.
+    first: Vec<Lanes>,
+    /// Of the sums of the last cells in the columns of the block before, those of its last column.
     border: Vec<f64>,
 }
 
-impl Pairs {
+impl Cells {
     pub fn new(columns: Columns, cell: usize, channels: usize) -> Self {
         let values = moments::count(channels);
-        let [above, below] = [(); 2].map(|()| Strip::new(columns, COLUMN / cell, values));
-        Self { above, below, columns, last: vec![Lanes::ZERO; values], border: vec![0.0; values] }
+        let [next, window, last, first] = [(); 4].map(|()| vec![Lanes::ZERO; values]);
+        let (pairs, border) = (Strip::new(columns, COLUMN / cell, values), vec![0.0; values]);
+        Self { columns, next, window, pairs, last, first, border }
+    }
+
+    /// The cells in a column.
+    pub fn of_column(&self) -> usize {
+        self.pairs.entries
     }
 
     /// Empties the cells: there are none above the first row.
     pub fn clear(&mut self) {
-        self.above.clear();
-        self.below.clear();
+        self.pairs.clear();
     }
 
-    /// Makes the row of cells below that above. All cells of the next one are to be added, block by block from left to
-    /// right.
+    /// Starts a row of cells.
     pub fn start_row(&mut self) {
-        swap(&mut self.above, &mut self.below);
         self.border.fill(0.0);
     }
 
-    /// Where the sums of the next cell in the columns of a block go.
+    /// Adds the next cell. Returns whether that completes the window at its place. The one at the first place is
+    /// completed with the block.
     #[inline(always)]
-    pub fn next_cell(&mut self, block: usize, place: usize) -> NextCell<'_> {
-        NextCell { pairs: self.below.at_mut(block, place), last: &mut self.last, is_first: place == 0 }
+    pub fn add<F: Real>(&mut self, block: usize, place: usize) -> bool {
+        if place == 0 {
+            swap(&mut self.next, &mut self.first);
+            return false;
+        }
+        let last = if place == 1 { &self.first } else { &self.last };
+        let pairs = self.pairs.at_mut(block, place);
+        let sums = self.next.iter().zip(last).zip(&mut self.window);
+        for (pair, ((next, last), window)) in pairs.iter_mut().zip(sums) {
+            let below = last.get::<F>() + next.get::<F>();
+            window.set(pair.get::<F>() + below);
+            pair.set(below);
+        }
+        swap(&mut self.next, &mut self.last);
+        true
     }
 
-    /// Ends a block: the first cells of its columns are beside the last ones of the columns before.
+    /// Ends a block, which completes the windows at the first places of its columns: their cells are beside the last ones
+    /// of the columns before.
     #[inline(always)]
-    pub fn end_block(&mut self, block: usize) {
-        let pairs = self.below.at_mut(block, 0);
-        for ((Lanes(pair), Lanes(last)), border) in pairs.iter_mut().zip(&self.last).zip(&mut self.border) {
-            pair[0] += *border;
-            for lane in 1..LANES {
-                pair[lane] += last[lane - 1];
-            }
+    pub fn end_block<F: Real>(&mut self, block: usize) {
+        let last = if self.of_column() == 1 { &self.first } else { &self.last };
+        let pairs = self.pairs.at_mut(block, 0);
+        let sums = self.first.iter().zip(last).zip(&mut self.window).zip(&mut self.border);
+        for (pair, (((first, Lanes(last)), window), border)) in pairs.iter_mut().zip(sums) {
+            let mut before = [*border; LANES];
+            before[1..].copy_from_slice(&last[..LANES - 1]);
             *border = last[LANES - 1];
+            let below = Lanes(before).get::<F>() + first.get::<F>();
+            window.set(pair.get::<F>() + below);
+            pair.set(below);
         }
     }
 
-    /// Ends a row: the last cells of the picture may be those of the last block. Beside them is none.
+    /// Ends a row, which completes the window behind its last block: no cells are on its right.
     #[inline(always)]
-    pub fn end_row(&mut self) {
-        let pairs = self.below.at_mut(self.columns.blocks(), 0);
-        for (pair, border) in pairs.iter_mut().zip(&self.border) {
-            *pair = Lanes::ZERO;
+    pub fn end_row<F: Real>(&mut self) {
+        let pairs = self.pairs.at_mut(self.columns.blocks(), 0);
+        for (pair, (window, border)) in pairs.iter_mut().zip(self.window.iter_mut().zip(&self.border)) {
+            let mut below = Lanes::ZERO;
             // As any other pair: a sum, in which -0 becomes 0.
-            pair.0[0] = *border + 0.0;
+            below.0[0] = *border + 0.0;
+            window.set(pair.get::<F>() + below.get::<F>());
+            *pair = below;
         }
-    }
-}
-
-/// The sums of a cell in eight columns.
-pub struct NextCell<'a> {
-    pairs: &'a mut [Lanes],
-    last: &'a mut [Lanes],
-    is_first: bool,
-}
-
-impl NextCell<'_> {
-    /// Adds one of its sums.
-    #[inline(always)]
-    pub fn add<F: Real>(&mut self, value: usize, sum: F) {
-        let last = &mut self.last[value];
-        let pair = if self.is_first { sum } else { last.get::<F>() + sum };
-        self.pairs[value].set(pair);
-        last.set(sum);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::columns::{Columns, LANES};
 use super::super::planes::{COLUMN, Planes};
-use crate::base::lanes::{Real, Row, Single};
+use crate::base::lanes::{Level, Real, Row, Single};
 
 /// Two rows of pixels in lanes, all channels of all layers.
 pub struct LightRows {
@@ -17,7 +17,8 @@ impl LightRows {
     }
 
     /// Takes rows from `y` on. Rows below the picture are black.
-    pub fn take(&mut self, light: &Planes, y: usize) {
+    #[inline(always)]
+    pub fn take<L: Level>(&mut self, light: &Planes, y: usize) {
         let (columns, channels) = (self.columns, self.channels);
         if y + 1 >= light.height {
             self.numbers.fill(0.0);
@@ -25,7 +26,7 @@ impl LightRows {
         for row in 0..2.min(light.height.saturating_sub(y)) {
             for channel in 0..channels {
                 let number = (row * channels + channel, 2 * channels);
-                columns.spread(light.row(channel, y + row), number, &mut self.numbers);
+                columns.spread::<L>(light.row(channel, y + row), number, &mut self.numbers);
             }
         }
     }

@@ -5,8 +5,7 @@
 //! around a pixel are weighted as in bilinear interpolation, so that no edges of windows show.
 //!
 //! Cells have several sizes. Those of a size are summed from the four of the size below in each, so pixels are summed
-//! once. Rows of cells go from size to size as they are complete: of each size, two rows of cells and of fits are in
-//! memory.
+//! once. Cells go from size to size as they are complete: of each size, a row of cells and two rows of fits are in memory.
 
 mod cells;
 mod evaluate;
@@ -22,11 +21,12 @@ use super::columns::Columns;
 use super::guides::Guides;
 use super::outliers::bounds;
 use super::planes::{COLUMN, Planes};
-use crate::base::lanes::{Level, SimdKernel, dispatch};
+use crate::base::lanes::{Level, Real, SimdKernel, dispatch};
 use light::LightRows;
 use moments::sum_pixels;
 use rayon::prelude::*;
 use scale::Scale;
+use std::mem::swap;
 use std::ops::Range;
 
 /// The number of sizes of cells. Each has twice the side of the one before: 2, 4, 8 and 16 pixels.
@@ -49,10 +49,10 @@ pub fn fit<const COUNT: usize>(guides: &Guides, shown: &Guides, light: &Planes) 
         batches.iter_mut().zip(planes.bands_mut(of_batch)).for_each(|(batch, band)| batch.push(band));
     }
     batches.into_par_iter().enumerate().for_each_init(
-        || Workspace::new(light, of_batch, COUNT),
+        || Workspace::new(light, COUNT),
         |workspace, (batch, fitted)| {
             let rows = batch * of_batch..light.height.min((batch + 1) * of_batch);
-            workspace.start(light, rows.clone());
+            workspace.start();
             dispatch(FitRows { guides, shown, light, rows, workspace, fitted });
         },
     );
@@ -61,16 +61,18 @@ pub fn fit<const COUNT: usize>(guides: &Guides, shown: &Guides, light: &Planes) 
 
 /// What a batch works with. The next one uses it again: new memory takes the system more time than zeros do.
 struct Workspace {
-    /// The bounds of fits in the rows of the batch.
+    /// The bounds of fits in the last rows, as many as the scales are apart.
     bounds: [Planes; 2],
     light: LightRows,
     scales: Vec<Scale>,
 }
 
 impl Workspace {
-    fn new(light: &Planes, rows: usize, scales: usize) -> Self {
+    fn new(light: &Planes, scales: usize) -> Self {
         let (columns, channels) = (Columns::new(light.width), light.count);
-        let rows = light.height.min(rows);
+        // Two rows of the largest cells: the first size is at the end of the second one when the last size comes to the
+        // first one.
+        let rows = 2 << scales;
         Self {
             bounds: [(); 2].map(|()| Planes::unset(light.memory(), (light.width, rows), channels)),
             light: LightRows::new(columns, channels),
@@ -79,8 +81,7 @@ impl Workspace {
     }
 
     /// Prepares a batch.
-    fn start(&mut self, light: &Planes, rows: Range<usize>) {
-        bounds(light, rows, &mut self.bounds);
+    fn start(&mut self) {
         self.scales.iter_mut().for_each(|scale| scale.cells.clear());
     }
 }
@@ -102,26 +103,59 @@ impl SimdKernel for FitRows<'_> {
     #[inline(always)]
     fn run<L: Level>(self) {
         let Self { guides, shown, light, rows, workspace, mut fitted } = self;
-        let Workspace { bounds, light: summed, scales } = workspace;
+        let Workspace { bounds: range, light: summed, scales } = workspace;
         // The windows of the largest cells reach as far.
         let largest = 1 << scales.len();
         let first = rows.start.saturating_sub(largest) / 2;
         let last = (rows.end.next_multiple_of(largest) + largest) / 2;
         for row in first..last {
-            summed.take(light, 2 * row);
-            sum_pixels::<L::F64>(guides, summed, row, &mut scales[0].cells);
-            for (scale, fitted) in fitted.iter_mut().enumerate() {
-                let row = row >> scale;
-                // Every second row of cells completes one of the next size.
-                let is_complete = row % 2 == 1;
-                if let [own, larger @ ..] = &mut scales[scale..] {
-                    let next = larger.first_mut().filter(|_| is_complete);
-                    own.fit::<L::F64>(shown, bounds, (row, &rows), fitted, next);
-                }
-                if !is_complete {
-                    break;
-                }
+            summed.take::<L>(light, 2 * row);
+            // Every second row of cells completes one of the next size.
+            let complete = scales.len().min(1 + row.trailing_ones() as usize);
+            let scales = &mut scales[..complete];
+            add_row::<L::F64>(guides, summed, (row, &rows), scales);
+            // Of the pixels that the smallest cells come to, just before they do.
+            bounds(light, rows.start.max(2 * row.saturating_sub(1))..rows.end.min(2 * row), range);
+            for (scale, (own, fitted)) in scales.iter_mut().zip(&mut fitted).enumerate() {
+                own.evaluate::<L>(shown, range, (row >> scale, &rows), fitted);
             }
+        }
+    }
+}
+
+/// Adds a row of the smallest cells, and those of the next sizes that are complete with it.
+#[inline(always)]
+fn add_row<F: Real>(
+    guides: &Guides,
+    light: &LightRows,
+    (row, rows): (usize, &Range<usize>),
+    scales: &mut [Scale],
+) {
+    scales.iter_mut().enumerate().for_each(|(scale, own)| own.start_row(row >> scale, rows));
+    for block in 0..light.columns.blocks() {
+        for place in 0..scales[0].cells.of_column() {
+            sum_pixels::<F>(guides, light, (row, block, place), &mut scales[0].cells.next);
+            add_cell::<F>(scales, block, place);
+        }
+        for own in &mut *scales {
+            own.end_block::<F>(block);
+        }
+    }
+    for own in scales {
+        own.end_row::<F>();
+    }
+}
+
+/// Adds the next one of the smallest cells, and those that are complete with it.
+#[inline(always)]
+fn add_cell<F: Real>(scales: &mut [Scale], block: usize, place: usize) {
+    for scale in 0..scales.len() {
+        let place = place >> scale;
+        if let [own, larger @ ..] = &mut scales[scale..] {
+            // At every second place, a window is a cell of the next size.
+            let is_cell = own.add::<F>(block, place) && place % 2 == 1;
+            let Some(next) = larger.first_mut().filter(|_| is_cell) else { return };
+            swap(&mut own.cells.window, &mut next.cells.next);
         }
     }
 }

@@ -1,27 +1,31 @@
 //! The fits of one size of cells, row by row.
 
-use super::super::columns::{Columns, LANES};
+use super::super::columns::{Columns, LANES, collect};
 use super::super::guides::{FEATURES, Guides};
 use super::super::planes::{COLUMN, Planes};
-use super::cells::Pairs;
-use super::evaluate::{ALONG, CHANNELS, Fit, evaluate};
-use super::least_squares::{fit_windows, sum_windows};
+use super::cells::Cells;
+use super::evaluate::{ALONG, CHANNELS, Fit, ROWS, evaluate};
+use super::least_squares::{Factors, fit_window};
 use super::strip::{Lanes, Strip};
-use crate::base::lanes::Real;
+use crate::base::lanes::{Level, Real, Row, Single};
 use std::ops::Range;
 
 /// Cells of one size.
 pub struct Scale {
     /// The side of a cell, in pixels.
     cell: usize,
-    /// The sums of the last row of cells and of the one before.
-    pub cells: Pairs,
+    /// The sums of the cells.
+    pub cells: Cells,
     /// The fits of the last row of windows and of the one before.
     fits: [Strip; 2],
-    /// The fits along a row of pixels in a block.
-    between: Vec<Fit>,
-    /// The fitted light of a layer in a row of pixels, in lanes.
-    row: Vec<[f32; CHANNELS * COLUMN * LANES]>,
+    /// Whether anything needs the fits of this row of windows.
+    is_fitted: bool,
+    /// Memory for the fit of a window.
+    factors: Factors,
+    /// Memory for the fits on both sides of a cell, in two rows of pixels.
+    beside: [[Fit; ROWS]; 2],
+    /// The fitted light of a layer in two rows of pixels of a block, in lanes.
+    block: [[f32; CHANNELS * COLUMN * LANES]; ROWS],
 }
 
 impl Scale {
@@ -29,54 +33,116 @@ impl Scale {
         let entries = COLUMN / cell + 1;
         Self {
             cell,
-            cells: Pairs::new(columns, cell, channels),
+            cells: Cells::new(columns, cell, channels),
             fits: [(); 2].map(|()| Strip::new(columns, entries, channels * FEATURES)),
-            between: vec![[[Lanes::ZERO; ALONG]; CHANNELS]; entries],
-            row: vec![[0.0; CHANNELS * COLUMN * LANES]; columns.blocks()],
+            is_fitted: false,
+            factors: [Lanes::ZERO; _],
+            beside: [[[[Lanes::ZERO; ALONG]; CHANNELS]; ROWS]; 2],
+            block: [[0.0; CHANNELS * COLUMN * LANES]; ROWS],
         }
     }
 
-    /// Fits the windows whose lower cells are the row of cells `row`, which are added, and evaluates the fits at the
-    /// pixels of the row of cells above it, as far as they are in `rows`. Sums over windows that are cells of the
-    /// `next` size are added to these.
+    /// Starts a row of cells, and the row of windows whose lower cells they are. The fits of the pixels in `rows` are
+    /// needed.
+    pub fn start_row(&mut self, row: usize, rows: &Range<usize>) {
+        self.cells.start_row();
+        let top = row * self.cell;
+        self.is_fitted = top + self.cell > rows.start && top < rows.end + self.cell;
+        if self.is_fitted {
+            self.fits.reverse();
+        }
+    }
+
+    /// Adds the next cell, and fits the window that it completes. Returns whether there is one.
     #[inline(always)]
-    pub fn fit<F: Real>(
+    pub fn add<F: Real>(&mut self, block: usize, place: usize) -> bool {
+        let is_complete = self.cells.add::<F>(block, place);
+        if is_complete {
+            self.fit::<F>(block, place);
+        }
+        is_complete
+    }
+
+    /// Ends a block of the row.
+    #[inline(always)]
+    pub fn end_block<F: Real>(&mut self, block: usize) {
+        self.cells.end_block::<F>(block);
+        self.fit::<F>(block, 0);
+        self.fits[1].copy_back(block);
+    }
+
+    /// Ends the row.
+    #[inline(always)]
+    pub fn end_row<F: Real>(&mut self) {
+        self.cells.end_row::<F>();
+        let Columns { count, .. } = self.cells.columns;
+        // The last window of a row may be the first one of a column that the picture no longer has.
+        if count.is_multiple_of(LANES) {
+            let behind = self.cells.columns.blocks();
+            self.fit::<F>(behind, 0);
+            self.fits[1].copy_back(behind);
+        }
+    }
+
+    /// Fits the last window that was completed, if that is needed. Windows have the places of their lower right cells.
+    #[inline(always)]
+    fn fit<F: Real>(&mut self, block: usize, place: usize) {
+        let Self { cell, cells, fits: [_, fits], is_fitted, factors, .. } = self;
+        if *is_fitted {
+            fit_window::<F>(&cells.window, *cell, factors, fits.at_mut(block, place));
+        }
+    }
+
+    /// Evaluates the fits at the pixels of the row of cells above `row`, as far as they are in `rows`.
+    #[inline(always)]
+    pub fn evaluate<L: Level>(
         &mut self,
         guides: &Guides,
         bounds: &[Planes; 2],
         (row, rows): (usize, &Range<usize>),
         into: &mut [f32],
-        next: Option<&mut Self>,
     ) {
-        if let Some(next) = next {
-            sum_windows::<F>(&self.cells, &mut next.cells);
-        }
         let top = row * self.cell;
-        if top + self.cell <= rows.start || top >= rows.end + self.cell {
-            return;
-        }
-        self.fits.reverse();
-        fit_windows::<F>(&self.cells, self.cell, &mut self.fits[1]);
         let [Planes { width, stride, count, .. }, _] = *bounds;
-        let (columns, [above, below]) = (self.cells.columns, &self.fits);
-        for y in rows.start.max(top.saturating_sub(self.cell))..rows.end.min(top) {
-            let line = &mut into[(y - rows.start) * count * stride..];
+        let Self { cell, fits: [above, below], beside, block: lanes, .. } = self;
+        let needed = rows.start.max(top.saturating_sub(*cell))..rows.end.min(top);
+        for first in needed.clone().step_by(ROWS) {
+            let pair = first..needed.end.min(first + ROWS);
+            let lines = &mut into[(first - rows.start) * count * stride..][..pair.len() * count * stride];
             for layer in 0..count / CHANNELS {
-                for (block, into) in self.row.iter_mut().enumerate() {
-                    evaluate::<F>(guides, (y, block), [above, below], layer, &mut self.between, into);
-                }
-                for channel in 0..CHANNELS {
-                    let plane = CHANNELS * layer + channel;
-                    let into = &mut line[plane * stride..][..stride];
-                    columns.collect(self.row.as_flattened(), (channel, CHANNELS), into);
-                    // Without the padding, which stays zero.
-                    let [least, most] = bounds.each_ref().map(|bound| bound.row(plane, y - rows.start));
-                    let bounds = least.iter().zip(most).take(width);
-                    into[width..].fill(0.0);
-                    for (light, (least, most)) in into.iter_mut().zip(bounds) {
-                        *light = light.max(*least).min(*most);
+                for block in 0..self.cells.columns.blocks() {
+                    evaluate::<L::F64>(guides, (&pair, block, *cell), [above, below], layer, beside, lanes);
+                    let lines = lines.chunks_exact_mut(count * stride);
+                    for (y, (lanes, line)) in pair.clone().zip(lanes.iter().zip(lines)) {
+                        for channel in 0..CHANNELS {
+                            let plane = CHANNELS * layer + channel;
+                            let bounds = bounds.each_ref().map(|bound| bound.row(plane, y % bound.height));
+                            let into = &mut line[plane * stride..][..stride];
+                            bound::<L>((lanes, channel), block, bounds, into);
+                        }
                     }
                 }
+            }
+            // Beside the picture, light is zero.
+            lines.chunks_exact_mut(stride).for_each(|into| into[width..].fill(0.0));
+        }
+    }
+}
+
+/// Collects a channel of a block, and keeps it between the bounds of its pixels.
+#[inline(always)]
+fn bound<L: Level>(
+    (lanes, channel): (&[f32], usize),
+    block: usize,
+    [least, most]: [&[f32]; 2],
+    into: &mut [f32],
+) {
+    for first in (0..COLUMN).step_by(LANES) {
+        for (lane, light) in collect::<L>(lanes, (channel, CHANNELS), first).into_iter().enumerate() {
+            let x = (block * LANES + lane) * COLUMN + first;
+            if x < into.len() {
+                let bounded = light.max(L::F32::load(least, x)).min(L::F32::load(most, x));
+                bounded.store(into, x);
             }
         }
     }
