@@ -7,7 +7,7 @@ use super::super::halves::OF_LAYER;
 use super::super::planes::{Planes, channels};
 use super::super::surroundings::Sums;
 use super::Neighbor;
-use super::reprojection::Taps;
+use super::reprojection::{AHEAD, Taps};
 use crate::base::lanes::{Color, Level, Row, Select, SimdKernel, Single, dispatch};
 use rayon::prelude::*;
 
@@ -131,6 +131,9 @@ impl SimdKernel for See<'_> {
         let (stride, layer) = (is_seen.len(), (layer * OF_LAYER, layers * OF_LAYER));
         for x in (0..stride).step_by(L::F32::LANES) {
             let (mut pixels, mut are_seen) = ([L::F32::splat(0.0); OF_LAYER], [0.0; OF_LAYER]);
+            for soon in taps.iter().skip(x + AHEAD).take(L::F32::LANES) {
+                soon.prefetch::<L>(numbers, layer, width);
+            }
             for (lane, taps) in taps.iter().skip(x).take(L::F32::LANES).enumerate() {
                 pixels[lane] = taps.sum::<L::F32>(numbers, layer, width);
                 are_seen[lane] = if taps.is_seen() { 1.0 } else { 0.0 };

@@ -5,6 +5,7 @@ use super::super::halves::Halves;
 use super::super::planes::Planes;
 use super::Neighbor;
 use super::agreement::Agreement;
+use super::reprojection::AHEAD;
 use crate::base::lanes::{Level, Row, SimdKernel, dispatch};
 use crate::film::LayerId;
 use rayon::prelude::*;
@@ -87,8 +88,12 @@ impl<const STILL: bool> SimdKernel for PoolGuides<'_, STILL> {
         into.as_flattened_mut().copy_from_slice(own);
         let mut totals = [1.0; BLOCK];
         for WeightedNeighbor { neighbor: Neighbor { halves, reprojection }, weights } in all {
-            let pixels = weights.row(0, y)[first..].iter().zip(&reprojection.row(y)[first..]);
-            for ((sums, total), (weight, taps)) in into.iter_mut().zip(&mut totals).zip(pixels) {
+            let row = &reprojection.row(y)[first..];
+            let pixels = weights.row(0, y)[first..].iter().zip(row).enumerate();
+            for ((sums, total), (x, (weight, taps))) in into.iter_mut().zip(&mut totals).zip(pixels) {
+                if let Some(soon) = row.get(x + AHEAD).filter(|soon| !STILL || soon.is_still) {
+                    soon.prefetch::<L>(&halves.guides, (0, OF_PIXEL), width);
+                }
                 if *weight > 0.0 && (!STILL || taps.is_still) {
                     *total += weight;
                     for half in [0, OF_HALF] {

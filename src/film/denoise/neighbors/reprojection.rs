@@ -18,6 +18,10 @@ pub struct Reprojection {
     pub(super) is_partly_still: bool,
 }
 
+/// So many pixels before they are needed, those of a neighbour are prefetched: where it sees the points of a row is no
+/// pattern that processors find.
+pub const AHEAD: usize = 16;
+
 /// Four pixels, weighted as in bilinear interpolation. Those that see something else have no weight; the weights of the
 /// others add up to 1. All are 0 if the point is not seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,6 +38,14 @@ pub struct Taps {
 impl Taps {
     pub fn is_seen(&self) -> bool {
         self.weights != [0.0; 4]
+    }
+
+    /// Prefetches numbers for [`Taps::sum`]: those of the last pixel. The others have mostly been read for the pixels before
+    /// and above.
+    #[inline(always)]
+    pub fn prefetch<L: Level>(&self, numbers: &[f32], (first, count): (usize, usize), width: usize) {
+        let last = (self.row as usize + 1) * width + self.column as usize + 1;
+        L::prefetch(numbers, last * count + first);
     }
 
     /// The weighted sums of eight numbers of each pixel, from the number `first` on. Pixels of a picture of this width have
