@@ -4,10 +4,10 @@ use super::camera_rays::Placement;
 use super::pixels::PixelTracer;
 use super::settings::{Moment, TraceSettings};
 use super::wavefront::WAVE;
-use crate::base::lanes::{Level, Real, Row, Select, SimdKernel, Vec3, dispatch};
+use crate::base::lanes::{Bits, Level, Real, Row, Select, SimdKernel, Vec3, dispatch};
 use crate::base::math::{Basis, DAffine3, DMat3, DVec3, inverse};
 use crate::camera::{Camera, Projection, pixels_of};
-use crate::film::denoise::{Memory, RUN, Reprojection, Run};
+use crate::film::denoise::{Memory, Places, RUN, Reprojection, Run};
 use crate::geometry::shape::ShapeHit;
 use crate::sampling::PixelSampler;
 use crate::scene::Scene;
@@ -42,9 +42,10 @@ struct PrimaryHit {
 /// What the pixels of a run see, in the world of the other frame.
 struct SeenPoints {
     primitives: [u32; RUN],
-    /// Points of primitives, and the planes through them. Those of the background are as far away as one unit.
-    points: [DVec3; RUN],
-    normals: [DVec3; RUN],
+    /// Per axis: points of primitives, and the normals of planes through them. Those of the background are as far away as
+    /// one unit.
+    points: [Run; 3],
+    normals: [Run; 3],
     /// How far from the plane other points of the surface may lie.
     within: Run,
 }
@@ -94,11 +95,10 @@ impl PrimaryHits {
         let find = |first: usize, count: usize, at: &mut [Run; 2]| {
             let mut seen = SeenPoints {
                 primitives: [NOTHING; RUN],
-                points: [DVec3::NAN; RUN],
-                normals: [DVec3::ZERO; RUN],
+                points: [[f64::NAN; RUN]; 3],
+                normals: [[0.0; RUN]; 3],
                 within: [0.0; RUN],
             };
-            let mut axes = [[f64::NAN; RUN]; 3];
             for (index, (pixel, hit)) in (first..).zip(&self.hits[first..][..count]).enumerate() {
                 let found = match hit.primitive {
                     NOTHING => other.point_towards(self.direction(pixel)).map(|point| (point, DVec3::ZERO)),
@@ -106,21 +106,15 @@ impl PrimaryHits {
                 };
                 let Some((point, normal)) = found else { continue };
                 seen.primitives[index] = hit.primitive;
-                (seen.points[index], seen.normals[index]) = (point, normal);
-                [axes[0][index], axes[1][index], axes[2][index]] = point.to_array();
+                for axis in 0..3 {
+                    (seen.points[axis][index], seen.normals[axis][index]) = (point[axis], normal[axis]);
+                }
             }
-            dispatch(Project { by: other, points: &axes, at, within: &mut seen.within });
+            dispatch(Project { by: other, points: &seen.points, at, within: &mut seen.within });
             seen
         };
-        let sees = |pixel: usize, seen: &SeenPoints, index: usize| {
-            let (hit, primitive) = (&other.hits[pixel], seen.primitives[index]);
-            if hit.primitive != primitive || primitive == NOTHING {
-                return hit.primitive == primitive;
-            }
-            let away = (hit.point - seen.points[index]).dot(seen.normals[index]);
-            away.abs() <= seen.within[index]
-        };
-        Reprojection::new(memory, self.size, find, sees)
+        let hide = |seen: &SeenPoints, places: &mut Places| dispatch(Hide { from: other, seen, places });
+        Reprojection::new(memory, self.size, find, hide)
     }
 
     /// How each primitive moves to the other frame.
@@ -193,9 +187,7 @@ impl SimdKernel for Project<'_> {
         let (curved, pixel_height) = (L::F64::splat(CURVED), L::F64::splat(2.0 / f64::from(size.1)));
         let none = L::F64::splat(f64::NAN);
         for index in (0..RUN).step_by(L::F64::LANES) {
-            let [x, y, z] = points;
-            let point = Vec3::new(L::F64::load(x, index), L::F64::load(y, index), L::F64::load(z, index));
-            let to = point - position;
+            let to = load(points, index) - position;
             let depth = to.dot(forward);
             let weight = match camera.projection {
                 Projection::Perspective { half_height } => depth * L::F64::splat(half_height),
@@ -209,6 +201,49 @@ impl SimdKernel for Project<'_> {
             (curved * weight * pixel_height).store(within, index);
         }
     }
+}
+
+/// Takes the shares of pixels that see something else than the pixels of a run: another primitive, or another part of it.
+struct Hide<'a> {
+    from: &'a PrimaryHits,
+    seen: &'a SeenPoints,
+    places: &'a mut Places,
+}
+
+impl SimdKernel for Hide<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { from: PrimaryHits { hits, .. }, seen, places: Places { pixels, shares, .. } } = self;
+        let (zero, nothing) = (L::F64::splat(0.0), L::U32::splat(NOTHING));
+        let (mut points, mut primitives) = ([[0.0; RUN]; 3], [NOTHING; RUN]);
+        // The next run sees the pixels behind these, or nearly so. The upper ones have been read for the row above.
+        for pixel in &pixels[Places::LAST] {
+            L::prefetch(hits, *pixel as usize + RUN);
+        }
+        for (pixels, shares) in pixels.iter().zip(shares) {
+            for (index, pixel) in pixels.iter().enumerate() {
+                let PrimaryHit { point, primitive, .. } = hits[*pixel as usize];
+                [points[0][index], points[1][index], points[2][index]] = point.to_array();
+                primitives[index] = primitive;
+            }
+            for index in (0..RUN).step_by(L::F64::LANES) {
+                let away = load::<L::F64>(&points, index) - load(&seen.points, index);
+                let away = away.dot(load(&seen.normals, index)).abs();
+                let own = L::U32::load(&seen.primitives, index);
+                let is_near = away.le(L::F64::load(&seen.within, index)) | own.eq(nothing);
+                let is_same = L::U32::load(&primitives, index).eq(own) & is_near;
+                L::F64::select(is_same, L::F64::load(shares, index), zero).store(shares, index);
+            }
+        }
+    }
+}
+
+/// Vectors of a run from an index on.
+#[inline(always)]
+fn load<F: Real>([x, y, z]: &[Run; 3], index: usize) -> Vec3<F> {
+    Vec3::new(F::load(x, index), F::load(y, index), F::load(z, index))
 }
 
 enum Motion {

@@ -1,7 +1,7 @@
 //! Where another film of the same size sees the points that the pixels of a film see.
 
 use super::super::memory::{Held, Memory};
-use crate::base::lanes::{Level, Real, Row, SimdKernel, Single, dispatch};
+use crate::base::lanes::{Bits, Level, Real, Row, Select, SimdKernel, Single, dispatch};
 use rayon::prelude::*;
 
 /// Positions nearer to the centre of a pixel than this, in pixels, are the centre: where nothing moves, rounding must not
@@ -86,31 +86,39 @@ impl Reprojection {
 
     /// `find` writes the positions at which the other film sees what the pixels of a run see, in pixels from the left
     /// and from the top: no numbers if it is behind the other camera. The run has so many pixels from one on. `find`
-    /// returns what they see. `sees` decides whether a pixel of the other film sees the same as one of the run. Pixels
-    /// are counted row by row. The film has its memory from `memory`.
+    /// returns what they see. `hide` takes the shares of the pixels of the other film that see something else. Pixels are
+    /// counted row by row. The film has its memory from `memory`.
     pub fn new<P>(
         memory: &Memory,
         size: (u32, u32),
         find: impl Fn(usize, usize, &mut [Run; 2]) -> P + Sync,
-        sees: impl Fn(usize, &P, usize) -> bool + Sync,
+        hide: impl Fn(&P, &mut Places) + Sync,
     ) -> Self {
         let width = size.0 as usize;
         let mut taps = memory.unset::<Taps>(width * size.1 as usize);
-        taps.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(y, row)| {
-            let (mut at, mut places) = ([[0.0; RUN]; 2], Places::default());
+        let rows = taps.par_chunks_exact_mut(width.max(1)).enumerate();
+        let is_partly_still = rows.map(|(y, row)| {
+            let mut is_partly_still = false;
+            let (mut at, mut places, mut weights) = ([[0.0; RUN]; 2], Places::default(), [[0.0; RUN]; 4]);
             for (x, taps) in (0..).step_by(RUN).zip(row.chunks_mut(RUN)) {
                 let points = find(y * width + x, taps.len(), &mut at);
                 dispatch(FindPlaces { at: &at, size, places: &mut places });
+                hide(&points, &mut places);
+                dispatch(Weigh { shares: &places.shares, weights: &mut weights });
                 for (index, taps) in taps.iter_mut().enumerate() {
-                    let found = places.taps(index, width, |pixel| sees(pixel, &points, index));
+                    let [column, row] = places.corner.each_ref().map(|corner| corner[index]);
+                    let weights = weights.each_ref().map(|weights| weights[index]);
                     let [across, down] = at.each_ref().map(|at| at[index]);
                     let away = [across - ((x + index) as f64 + 0.5), down - (y as f64 + 0.5)];
-                    let is_centered = away.iter().all(|away| away.abs() < CENTERED);
-                    *taps = Taps { is_still: is_centered && found.weights[0] == 1.0, ..found };
+                    let is_centered = (away[0].abs() < CENTERED) & (away[1].abs() < CENTERED);
+                    let is_still = is_centered & (weights[0] == 1.0);
+                    *taps = Taps { column, row, weights, is_still };
+                    is_partly_still |= is_still;
                 }
             }
+            is_partly_still
         });
-        let is_partly_still = taps.iter().any(|taps| taps.is_still);
+        let is_partly_still = is_partly_still.reduce(|| false, |one, other| one | other);
         Self { width, taps, is_partly_still }
     }
 
@@ -125,7 +133,7 @@ impl Reprojection {
                 [at[0][index], at[1][index]] = find(pixel);
             }
         };
-        Self::new(memory, size, find, |_, (), _| true)
+        Self::new(memory, size, find, |(), _| ())
     }
 
     /// The same without points that the same pixel sees at the same place.
@@ -146,42 +154,25 @@ impl Reprojection {
     }
 }
 
-/// The four pixels around each position of a run.
-struct Places {
-    /// The column on the left and the row above. -1 outside of the picture.
-    before: [Run; 2],
-    /// The weights of the pixels in bilinear interpolation, in the order of [`Taps`].
-    shares: [Run; 4],
+/// The four pixels around each position of a run, in the order of [`Taps`].
+#[warn(missing_docs)]
+pub struct Places {
+    /// The column on the left and the row above.
+    corner: [[u32; RUN]; 2],
+    /// The pixels, counted row by row. One that has no share is any other of the picture.
+    pub pixels: [[u32; RUN]; 4],
+    /// The weights of the pixels in bilinear interpolation. Outside of the picture, they are 0.
+    pub shares: [Run; 4],
+}
+
+impl Places {
+    /// The last one of the pixels around a position.
+    pub const LAST: usize = 3;
 }
 
 impl Default for Places {
     fn default() -> Self {
-        Self { before: [[-1.0; RUN]; 2], shares: [[0.0; RUN]; 4] }
-    }
-}
-
-impl Places {
-    /// The taps of a pixel in a picture of this width. None have a weight outside of the picture.
-    #[inline(always)]
-    fn taps(&self, index: usize, width: usize, sees: impl Fn(usize) -> bool) -> Taps {
-        let [column, row] = self.before.each_ref().map(|before| before[index]);
-        if !(column >= 0.0 && row >= 0.0) {
-            return Taps::default();
-        }
-        let (column, row) = (column as u32, row as u32);
-        let first = row as usize * width + column as usize;
-        let mut weights = [0.0; 4];
-        for (tap, pixel) in [first, first + 1, first + width, first + width + 1].into_iter().enumerate() {
-            let share = self.shares[tap][index];
-            if share > 0.0 && sees(pixel) {
-                weights[tap] = share as f32;
-            }
-        }
-        let sum: f32 = weights.iter().sum();
-        if sum > 0.0 {
-            weights.iter_mut().for_each(|weight| *weight /= sum);
-        }
-        Taps { column, row, weights, is_still: false }
+        Self { corner: [[0; RUN]; 2], pixels: [[0; RUN]; 4], shares: [[0.0; RUN]; 4] }
     }
 }
 
@@ -197,27 +188,69 @@ impl SimdKernel for FindPlaces<'_> {
 
     #[inline(always)]
     fn run<L: Level>(self) {
-        let Self { at, size, places: Places { before, shares } } = self;
-        let one = L::F64::splat(1.0);
+        let Self { at, size: (width, height), places: Places { corner, pixels, shares } } = self;
+        let (zero, one) = (L::F64::splat(0.0), L::F64::splat(1.0));
+        let (next, below) = (L::U32::splat(1), L::U32::splat(width));
         for index in (0..RUN).step_by(L::F64::LANES) {
-            let [x, y] = [L::F64::load(&at[0], index), L::F64::load(&at[1], index)];
-            let (column, right) = between(x, size.0);
-            let (row, below) = between(y, size.1);
-            column.store(&mut before[0], index);
-            row.store(&mut before[1], index);
-            let (left, above) = (one - right, one - below);
-            (left * above).store(&mut shares[0], index);
-            (right * above).store(&mut shares[1], index);
-            (left * below).store(&mut shares[2], index);
-            (right * below).store(&mut shares[3], index);
+            let (column, right, is_across) = between(L::F64::load(&at[0], index), width);
+            let (row, down, is_down) = between(L::F64::load(&at[1], index), height);
+            let is_inside = is_across & is_down;
+            let [column, row] = [
+                L::F64::select(is_inside, column, zero).to_u32(),
+                L::F64::select(is_inside, row, zero).to_u32(),
+            ];
+            column.store(&mut corner[0], index);
+            row.store(&mut corner[1], index);
+            let first = row.wrapping_mul(below).wrapping_add(column);
+            let under = first.wrapping_add(below);
+            let (left, up) = (one - right, one - down);
+            let all = [
+                (first, left * up),
+                (first.wrapping_add(next), right * up),
+                (under, left * down),
+                (under.wrapping_add(next), right * down),
+            ];
+            for (tap, (pixel, share)) in all.into_iter().enumerate() {
+                let share = L::F64::select(is_inside, share, zero);
+                share.store(&mut shares[tap], index);
+                // Without a share, it may be beyond the edge.
+                L::U32::select(zero.lt(share), pixel, first).store(&mut pixels[tap], index);
+            }
         }
     }
 }
 
-/// The pixel before positions along an axis, -1 outside of the picture, and the weight of the pixel behind it, which is
-/// 0 if there is none.
+/// Weights pixels by their shares, so that weights add up to 1.
+struct Weigh<'a> {
+    shares: &'a [Run; 4],
+    weights: &'a mut [[f32; RUN]; 4],
+}
+
+impl SimdKernel for Weigh<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Level>(self) {
+        let Self { shares, weights } = self;
+        let zero = L::F32::splat(0.0);
+        for index in (0..RUN).step_by(L::F32::LANES) {
+            let mut all = [zero; 4];
+            for (share, weight) in shares.iter().zip(&mut all) {
+                *weight = L::F64::load(share, index).to_f32();
+            }
+            let sum = all[0] + all[1] + all[2] + all[3];
+            let is_seen = zero.lt(sum);
+            for (weight, into) in all.into_iter().zip(&mut *weights) {
+                L::F32::select(is_seen, weight / sum, zero).store(into, index);
+            }
+        }
+    }
+}
+
+/// The pixel before positions along an axis, the weight of the pixel behind it, which is 0 if there is none, and whether
+/// they are in the picture.
 #[inline(always)]
-fn between<F: Real>(at: F, count: u32) -> (F, F) {
+fn between<F: Real>(at: F, count: u32) -> (F, F, F::Mask) {
     let (zero, half) = (F::splat(0.0), F::splat(0.5));
     let is_inside = zero.le(at) & at.le(F::splat(f64::from(count)));
     // Half a pixel at each edge is nearest to the pixel there.
@@ -225,7 +258,7 @@ fn between<F: Real>(at: F, count: u32) -> (F, F) {
     let nearest = (center + half).floor();
     let center = F::select((center - nearest).abs().lt(F::splat(CENTERED)), nearest, center);
     let before = center.floor();
-    (F::select(is_inside, before, F::splat(-1.0)), center - before)
+    (before, center - before, is_inside)
 }
 
 #[cfg(test)]
@@ -233,11 +266,17 @@ mod tests {
     use super::*;
 
     /// The taps around a position in a picture of 4x3 pixels. None outside of it.
-    fn taps_at(at: [f64; 2], sees: impl Fn(usize) -> bool) -> Option<Taps> {
-        let mut places = Places::default();
-        dispatch(FindPlaces { at: &at.map(|at| [at; RUN]), size: (4, 3), places: &mut places });
-        let taps = places.taps(RUN - 1, 4, sees);
-        (places.before[0][0] >= 0.0 && places.before[1][0] >= 0.0).then_some(taps)
+    fn taps_at(at: [f64; 2], sees: impl Fn(usize) -> bool + Sync) -> Option<Taps> {
+        let hide = |(): &(), places: &mut Places| {
+            for (shares, pixels) in places.shares.iter_mut().zip(&places.pixels) {
+                let hidden = shares.iter_mut().zip(pixels).filter(|(_, pixel)| !sees(**pixel as usize));
+                hidden.for_each(|(share, _)| *share = 0.0);
+            }
+        };
+        let find = |_, _, found: &mut [Run; 2]| *found = at.map(|at| [at; RUN]);
+        let found = Reprojection::new(&Memory::default(), (4, 3), find, hide);
+        let [across, down] = at;
+        ((0.0..=4.0).contains(&across) && (0.0..=3.0).contains(&down)).then(|| found.taps[11])
     }
 
     fn taps(at: [f64; 2], hidden: Option<usize>) -> Option<Taps> {
