@@ -1,6 +1,6 @@
 //! What the audits show of the candidates over the whole picture.
 
-use super::candidates::{CANDIDATES, CandidateRow, LayerCandidates};
+use super::candidates::{CANDIDATES, CandidateRow, LayerCandidates, difference};
 use super::measured::{By, Measured};
 use super::planes::Planes;
 use crate::base::lanes::{Level, Row, Select, SimdKernel, Single, dispatch};
@@ -73,7 +73,9 @@ impl SimdKernel for SumRow<'_> {
         }
         let mut sums = [[L::F64::splat(0.0); CANDIDATES]; 2];
         for x in (0..samples.len()).step_by(L::F32::LANES) {
-            let outlier = is_detail(candidates.difference(1, x), L::F32::load(samples, x));
+            let [own, dimmed] = [candidates.at(0, x), candidates.at(1, x)];
+            let moved = difference(own, dimmed, candidates.unit(x));
+            let outlier = is_detail(moved, L::F32::load(samples, x));
             for candidate in 0..candidates.count() {
                 for (errors, sums) in errors.iter().zip(&mut sums) {
                     let error = L::F32::load(errors[candidate], x);

@@ -175,13 +175,6 @@ impl CandidateRow<'_> {
         [Color::load(first[candidate], x), Color::load(second[candidate], x)]
     }
 
-    /// The mean of both halves.
-    #[inline(always)]
-    pub fn mean<S: Single>(&self, candidate: usize, x: usize) -> Color<S> {
-        let [first, second] = self.at::<S>(candidate, x);
-        (first + second) * S::splat(0.5)
-    }
-
     /// What the neighbours weigh that see the points of eight pixels through the same pixels.
     #[inline(always)]
     pub fn still<S: Single>(&self, x: usize) -> S {
@@ -191,16 +184,6 @@ impl CandidateRow<'_> {
         }
     }
 
-    /// The squared difference of a candidate to the samples that is at least there in both halves, in the same
-    /// direction: summed over the channels, relative to the light.
-    #[inline(always)]
-    pub fn difference<S: Single>(&self, candidate: usize, x: usize) -> S {
-        let ([a, b], [first, second]) = (self.at::<S>(0, x), self.at::<S>(candidate, x));
-        let [own, other] = [(a - first).element_sum(), (b - second).element_sum()];
-        let (zero, both) = (S::splat(0.0), own.abs().min(other.abs()));
-        S::select(zero.lt(own * other), self.unit::<S>(x) * both * both * S::splat(1.0 / 3.0), zero)
-    }
-
     /// By what squares are multiplied to be relative to the light of a pixel.
     #[inline(always)]
     pub fn unit<S: Single>(&self, x: usize) -> S {
@@ -208,4 +191,13 @@ impl CandidateRow<'_> {
         let light = (first.element_sum() + second.element_sum()) * S::splat(0.5);
         S::splat(1.0) / (light * light + S::splat(self.floor))
     }
+}
+
+/// The squared difference of a candidate to the samples that is at least there in both halves, in the same direction:
+/// summed over the channels, relative to the light.
+#[inline(always)]
+pub fn difference<S: Single>([a, b]: [Color<S>; 2], [first, second]: [Color<S>; 2], unit: S) -> S {
+    let [own, other] = [(a - first).element_sum(), (b - second).element_sum()];
+    let (zero, both) = (S::splat(0.0), own.abs().min(other.abs()));
+    S::select(zero.lt(own * other), unit * both * both * S::splat(1.0 / 3.0), zero)
 }

@@ -2,7 +2,7 @@
 
 use super::audits::AuditRow;
 use super::calibration::{Calibration, is_detail};
-use super::candidates::{ALONE, CANDIDATES, CandidateRow};
+use super::candidates::{ALONE, CANDIDATES, CandidateRow, difference};
 use super::planes::Planes;
 use super::trust::Change;
 use crate::base::lanes::{Color, Level, Row, Select, SimdKernel, Single};
@@ -37,19 +37,21 @@ impl SimdKernel for MixRow<'_> {
     #[inline(always)]
     fn run<L: Level>(mut self) {
         for x in (0..self.around.stride).step_by(L::F32::LANES) {
-            let weights = self.weights::<L::F32>(x);
+            let unit = self.candidates.unit::<L::F32>(x);
+            let mut means = [Color::<L::F32>::black(); CANDIDATES];
+            let weights = self.weights(x, unit, &mut means);
             let mut mixed = Color::<L::F32>::black();
-            for (candidate, weight) in weights.into_iter().enumerate().take(self.candidates.count()) {
-                mixed = mixed + self.candidates.mean(candidate, x) * weight;
+            for (mean, weight) in means.into_iter().zip(weights).take(self.candidates.count()) {
+                mixed = mixed + mean * weight;
             }
-            let samples = self.candidates.mean::<L::F32>(0, x);
+            let [samples, ..] = means;
             let infinite = L::F32::splat(f32::INFINITY);
             let is_finite =
                 mixed.r.abs().lt(infinite) & mixed.g.abs().lt(infinite) & mixed.b.abs().lt(infinite);
             let mixed = Color::select(is_finite, mixed, samples);
             mixed.store(&mut self.light, x);
             let noise = L::F32::load(self.around.row(0, self.y), x);
-            let change = Change::new([samples, mixed], self.audits.at(x), noise, self.candidates.unit(x));
+            let change = Change::new([samples, mixed], self.audits.at(x), noise, unit);
             change.store(self.changes, x);
         }
     }
@@ -60,13 +62,15 @@ impl SimdKernel for MixRow<'_> {
 const UNCERTAIN: f32 = 0.2;
 
 impl MixRow<'_> {
-    /// The weights of the candidates at eight pixels. If the samples have no error, they are the picture.
+    /// The weights of the candidates at eight pixels, and the means of both halves. If the samples have no error, they are
+    /// the picture. Squares are relative to the light when they are multiplied by `unit`.
     #[inline(always)]
-    fn weights<S: Single>(&self, x: usize) -> [S; CANDIDATES] {
+    fn weights<S: Single>(&self, x: usize, unit: S, means: &mut [Color<S>; CANDIDATES]) -> [S; CANDIDATES] {
         let (zero, one) = (S::splat(0.0), S::splat(1.0));
         let samples = S::load(self.around.row(0, self.y), x);
         let least = S::splat(UNCERTAIN * self.calibration.samples[0].min(self.calibration.samples[1]));
         let still = self.candidates.still::<S>(x);
+        let own = self.candidates.at::<S>(0, x);
         let mut is_known = zero.lt(samples);
         let (mut weights, mut sum) = ([zero; CANDIDATES], zero);
         for (candidate, weight) in weights.iter_mut().enumerate().take(self.candidates.count()) {
@@ -76,7 +80,9 @@ impl MixRow<'_> {
                 Some(error) => S::splat(*error),
                 None => (error / samples + S::splat(self.calibration.more[candidate])).max(zero),
             };
-            let difference = self.candidates.difference::<S>(candidate, x);
+            let both = self.candidates.at::<S>(candidate, x);
+            means[candidate] = (both[0] + both[1]) * S::splat(0.5);
+            let difference = difference(own, both, unit);
             let refused = S::select(is_detail(difference, samples), difference, zero);
             let error = relative + refused / samples + least;
             // The samples are there twice, mostly alike.

@@ -4,6 +4,7 @@ use super::super::{Film, LayerId, Noise, Z_95};
 use crate::base::color::Rgb;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The side of the blocks in which errors are summed, in pixels: noise of different blocks is independent, and bias
@@ -40,14 +41,9 @@ impl RemainingError {
         let blocks: Vec<BlockSums> = (0..columns * height.div_ceil(BLOCK))
             .into_par_iter()
             .map(|block| {
-                let (left, top) = (block % columns * BLOCK, block / columns * BLOCK);
-                let mut sums = BlockSums::new(layers);
-                for y in top..height.min(top + BLOCK) {
-                    for x in left..width.min(left + BLOCK) {
-                        sums.add(y * width + x, film, audits);
-                    }
-                }
-                sums
+                let [left, top] = [block % columns, block / columns].map(|place| place * BLOCK);
+                let [across, down] = [left..width.min(left + BLOCK), top..height.min(top + BLOCK)];
+                BlockSums::new(down.map(|y| y * width + across.start..y * width + across.end), film, audits)
             })
             .collect();
         let mut means = vec![DVec3::ZERO; layers];
@@ -127,26 +123,45 @@ struct BlockSums {
 }
 
 impl BlockSums {
-    fn new(layers: usize) -> Self {
-        let products = vec![DVec3::ZERO; layers * (layers + 1) / 2];
-        Self { pixels: 0.0, light: vec![DVec3::ZERO; layers], products }
-    }
-
-    fn add(&mut self, pixel: usize, film: &Film, audits: &[&Film; 2]) {
-        self.pixels += 1.0;
-        let (own, audits) = (film.pixel(pixel), audits.map(|audit| audit.pixel(pixel)));
-        let light = |layer: usize| own[layer].as_dvec3();
-        let differences = |layer: usize| audits.map(|audit| light(layer) - audit[layer].as_dvec3());
-        let mut products = self.products.iter_mut();
-        for row in 0..self.light.len() {
-            self.light[row] += light(row);
-            let a = differences(row);
-            for (column, sum) in (0..=row).zip(products.by_ref()) {
-                let b = differences(column);
-                let product = (a[0] * b[1] + a[1] * b[0]) / 2.0;
-                // The pairs of different layers occur in both orders.
-                *sum += if column < row { product * 2.0 } else { product };
+    /// Those of a block, given the pixels of its rows. One sum after the other: the compiler keeps it in registers.
+    fn new(rows: impl Iterator<Item = Range<usize>> + Clone, film: &Film, audits: &[&Film; 2]) -> Self {
+        let layers = film.held.len();
+        let mut sums = Self { pixels: 0.0, light: Vec::with_capacity(layers), products: Vec::new() };
+        sums.pixels = rows.clone().map(|row| row.len() as f64).sum();
+        for row in 0..layers {
+            let light = rows.clone().flat_map(|pixels| layer(film, pixels, row));
+            sums.light.push(light.fold(DVec3::ZERO, |sum, light| sum + light));
+            for column in 0..=row {
+                let mut sum = DVec3::ZERO;
+                for pixels in rows.clone() {
+                    let [a, b] = [row, column].map(|place| differences(film, audits, &pixels, place));
+                    for (a, b) in a.zip(b) {
+                        let product = (a[0] * b[1] + a[1] * b[0]) / 2.0;
+                        // The pairs of different layers occur in both orders.
+                        sum += if column < row { product * 2.0 } else { product };
+                    }
+                }
+                sums.products.push(sum);
             }
         }
+        sums
     }
+}
+
+/// A layer of light of some pixels.
+fn layer(film: &Film, pixels: Range<usize>, layer: usize) -> impl Iterator<Item = DVec3> {
+    let count = film.layers();
+    let pixels = film.data[pixels.start * count..pixels.end * count].chunks_exact(count);
+    pixels.map(move |pixel| pixel[layer].as_dvec3())
+}
+
+/// How much a layer of some pixels differs from both audits.
+fn differences(
+    film: &Film,
+    audits: &[&Film; 2],
+    pixels: &Range<usize>,
+    place: usize,
+) -> impl Iterator<Item = [DVec3; 2]> {
+    let [a, b] = audits.map(|audit| layer(audit, pixels.clone(), place));
+    layer(film, pixels.clone(), place).zip(a.zip(b)).map(|(own, (a, b))| [own - a, own - b])
 }
