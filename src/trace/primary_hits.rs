@@ -42,8 +42,8 @@ struct PrimaryHit {
 /// What the pixels of a run see, in the world of the other frame.
 struct SeenPoints {
     primitives: [u32; RUN],
-    /// Per axis: points of primitives, and the normals of planes through them. Those of the background are as far away as
-    /// one unit.
+    /// Per axis: points of primitives, and the normals of planes through them. Those of the background are as far away
+    /// as one unit.
     points: [Run; 3],
     normals: [Run; 3],
     /// How far from the plane other points of the surface may lie.
@@ -203,7 +203,8 @@ impl SimdKernel for Project<'_> {
     }
 }
 
-/// Takes the shares of pixels that see something else than the pixels of a run: another primitive, or another part of it.
+/// Takes the shares of pixels that see something else than the pixels of a run: another primitive, or another part of
+/// it.
 struct Hide<'a> {
     from: &'a PrimaryHits,
     seen: &'a SeenPoints,

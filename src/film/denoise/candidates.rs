@@ -31,10 +31,10 @@ pub fn bytes_of_pixel(layers: u64) -> u64 {
     2 * layers * light as u64
 }
 
-/// Bytes per pixel while the samples of a layer are pooled and fitted. For each half: the sums of the light, the light of
-/// a neighbour, and the fits. For all: what is measured, and the weights of neighbours. Guides are counted apart.
+/// Bytes per pixel while the samples of a layer are pooled and fitted. For each half: the sums of the light, and the
+/// fits. For all: the weights of neighbours. Guides are counted apart.
 pub const BYTES_OF_POOLED: u64 =
-    (2 * (2 + POOLED_SCALES) * size_of::<Rgb>()) as u64 + (12 * size_of::<f32>()) as u64;
+    (2 * (1 + POOLED_SCALES) * size_of::<Rgb>()) as u64 + (8 * size_of::<f32>()) as u64;
 
 /// The candidates of all pixels from a picture alone.
 pub struct Candidates<'a> {

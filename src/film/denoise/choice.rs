@@ -62,8 +62,8 @@ impl SimdKernel for MixRow<'_> {
 const UNCERTAIN: f32 = 0.2;
 
 impl MixRow<'_> {
-    /// The weights of the candidates at eight pixels, and the means of both halves. If the samples have no error, they are
-    /// the picture. Squares are relative to the light when they are multiplied by `unit`.
+    /// The weights of the candidates at eight pixels, and the means of both halves. If the samples have no error, they
+    /// are the picture. Squares are relative to the light when they are multiplied by `unit`.
     #[inline(always)]
     fn weights<S: Single>(&self, x: usize, unit: S, means: &mut [Color<S>; CANDIDATES]) -> [S; CANDIDATES] {
         let (zero, one) = (S::splat(0.0), S::splat(1.0));

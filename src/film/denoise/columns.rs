@@ -42,8 +42,8 @@ impl Columns {
         COLUMN * self.padded
     }
 
-    /// Spreads a row of pixels, padded to whole columns, over lanes: as a number of each pixel, which has so many. Beside
-    /// the columns, numbers are 0.
+    /// Spreads a row of pixels, padded to whole columns, over lanes: as a number of each pixel, which has so many.
+    /// Beside the columns, numbers are 0.
     #[inline(always)]
     pub fn spread<L: Level>(self, row: &[f32], (number, numbers): (usize, usize), into: &mut [f32]) {
         for block in 0..self.blocks() {
@@ -61,8 +61,8 @@ impl Columns {
     }
 }
 
-/// Eight pixels of each column of a block, from the place `first` on: a number of the pixels of the block, which have so
-/// many.
+/// Eight pixels of each column of a block, from the place `first` on: a number of the pixels of the block, which have
+/// so many.
 #[inline(always)]
 pub fn collect<L: Level>(block: &[f32], (number, numbers): (usize, usize), first: usize) -> [L::F32; LANES] {
     let mut lanes = [L::F32::splat(0.0); LANES];

@@ -41,8 +41,8 @@ fn brightest_around(numbers: &Planes, plane: usize, y: usize) -> Vec<f32> {
 }
 
 /// Writes the least and the greatest light around each pixel of some rows, itself included, in every layer and channel,
-/// to planes, which may have fewer rows: each takes the place of an earlier one. A fit beyond the bounds extrapolates: next
-/// to a lamp, it may be negative.
+/// to planes, which may have fewer rows: each takes the place of an earlier one. A fit beyond the bounds extrapolates:
+/// next to a lamp, it may be negative.
 pub fn bounds(light: &Planes, rows: Range<usize>, into: &mut [Planes; 2]) {
     let [least, most] = into;
     let mut columns = [f32::INFINITY, f32::NEG_INFINITY].map(|none| vec![none; light.stride + 2 * MARGIN]);

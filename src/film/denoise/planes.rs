@@ -117,8 +117,9 @@ pub fn read_line(film: &Film, layers: Range<usize>, y: usize, line: &mut [f32]) 
     let pixels = &film.data[y * width * all..][..width * all];
     for (layer, light) in layers.zip(line.chunks_exact_mut(3 * stride)) {
         let [red, green, blue] = channels_mut(light, stride);
-        for (x, pixel) in pixels.chunks_exact(all).enumerate() {
-            [red[x], green[x], blue[x]] = pixel[layer].to_array();
+        let into = red.iter_mut().zip(&mut *green).zip(&mut *blue);
+        for (pixel, ((red, green), blue)) in pixels.chunks_exact(all).zip(into) {
+            [*red, *green, *blue] = pixel[layer].to_array();
         }
         for channel in [red, green, blue] {
             channel[width..].fill(0.0);

@@ -34,7 +34,7 @@ pub fn surroundings(measured: &Measured, candidates: usize) -> Planes {
         let mut sums = Sums::new(stride);
         for (candidate, into) in line.chunks_exact_mut(stride).enumerate() {
             let plane = Measured::plane(By::Halves, candidate);
-            sums.add::<REACH>(measured.planes(), plane, y, into);
+            sums.add::<REACH>(measured.planes(), plane, (y, height), into);
             for (sum, in_row) in into.iter_mut().zip(&in_rows) {
                 *sum /= in_row * in_column - own_weight(REACH);
             }
@@ -63,16 +63,23 @@ impl Sums {
         Self { columns: vec![0.0; stride + 2 * MARGIN] }
     }
 
-    /// Writes the weighted sums of the numbers of a plane around each pixel of row `y`, without the pixel itself, up to
-    /// `REACH` pixels along both axes, at most seven.
-    pub fn add<const REACH: usize>(&mut self, planes: &Planes, plane: usize, y: usize, into: &mut [f32]) {
-        let near = y.saturating_sub(REACH)..planes.height.min(y + REACH + 1);
+    /// Writes the weighted sums of the numbers of a plane around each pixel of row `y` of a picture of that height,
+    /// without the pixel itself, up to `REACH` pixels along both axes, at most seven. The planes may have fewer rows
+    /// than the picture: each has taken the place of an earlier one.
+    pub fn add<const REACH: usize>(
+        &mut self,
+        planes: &Planes,
+        plane: usize,
+        (y, height): (usize, usize),
+        into: &mut [f32],
+    ) {
+        let near = y.saturating_sub(REACH)..height.min(y + REACH + 1);
         let (mut rows, mut weights) = ([&[][..]; 2 * MARGIN], [0.0; 2 * MARGIN]);
         let count = near.len();
         for (other, (row, weighted)) in near.zip(rows.iter_mut().zip(&mut weights)) {
-            (*row, *weighted) = (planes.row(plane, other), weight(other.abs_diff(y), REACH));
+            (*row, *weighted) = (planes.row(plane, other % planes.height), weight(other.abs_diff(y), REACH));
         }
-        let (rows, weights, own) = (&rows[..count], &weights[..count], planes.row(plane, y));
+        let (rows, weights, own) = (&rows[..count], &weights[..count], planes.row(plane, y % planes.height));
         dispatch(SumAround::<REACH> { rows, weights, own, columns: &mut self.columns, into });
     }
 }

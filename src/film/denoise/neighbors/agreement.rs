@@ -31,74 +31,106 @@ const THEIR_NOISE: usize = 2;
 const CHANGE: usize = 3;
 const ERRORS: [usize; 3] = [NOISE, THEIR_NOISE, CHANGE];
 
-/// The comparison of a picture with one neighbour after the other, in the same memory.
-pub struct Agreement {
-    /// The light of both halves of the neighbour at the points of the pixels; zero where it does not see them.
-    seen: Planes,
-    measured: Planes,
+/// The rows that are in memory while they are compared: at least those around a row.
+const ROWS: usize = (2 * FAR + 1).next_power_of_two();
+
+/// The fewest rows that are compared one after the other. Those around them are compared twice.
+const BATCH: usize = 4 * ROWS;
+
+/// Compares both halves of a picture with those of neighbours.
+pub struct Agreement<'a> {
+    /// The light of a picture.
+    pub own: &'a [Planes; 2],
+    /// The number of the layer that counts.
+    pub place: usize,
+    /// What is added to the squared light of a pixel.
+    pub floor: f32,
 }
 
-impl Agreement {
-    /// For pictures of the size of `light`.
-    pub fn new(light: &Planes) -> Self {
-        Self { seen: light.unset_like(HALVES * 3), measured: light.unset_like(PLANES) }
-    }
-
-    /// Compares both halves of a picture, of whose light the layer number `place` counts, with those of a neighbour and
-    /// its layer. `floor` is added to the squared light of a pixel.
-    pub fn compare(
-        &mut self,
-        (own, place): (&[Planes; 2], usize),
-        (neighbor, their_place): (&Neighbor, usize),
-        floor: f32,
-    ) {
-        let Self { seen, measured } = self;
-        let (stride, width) = (measured.stride, measured.width);
-        let Neighbor { halves, reprojection } = neighbor;
-        let from =
-            Light { numbers: &halves.dimmed, layers: halves.film().held.len(), layer: their_place, width };
-        seen.par_lines_mut().zip(measured.par_lines_mut()).enumerate().for_each(|(y, (seen, line))| {
-            dispatch(See {
-                from,
-                taps: reprojection.row(y),
-                seen,
-                is_seen: &mut line[SEEN * stride..][..stride],
-            });
-            let [c, d] = [0, 1].map(|half| channels(&seen[half * 3 * stride..][..3 * stride]));
-            let own = own.each_ref().map(|light| light.channels(place, y));
-            dispatch(Compare { own, theirs: [c, d], floor, stride, line });
-        });
-    }
-
-    /// Adds the light of the neighbour to that of the picture, `sums`, and returns its weights at each pixel, relative
-    /// to that of the picture's own samples: a plane.
-    pub fn add_weighted(&self, sums: &mut [Planes; 2]) -> Planes {
-        let Self { seen, measured } = self;
-        let stride = measured.stride;
-        let mut weights = measured.unset_like(1);
+impl Agreement<'_> {
+    /// Adds a layer of light of a neighbour to that of the picture, `sums`, and returns its weights at each pixel,
+    /// relative to that of the picture's own samples: a plane. Rows are weighted as soon as those below are compared,
+    /// so what is measured of them is still in the cache.
+    pub fn add_weighted(&self, neighbor: &Neighbor, their_place: usize, sums: &mut [Planes; 2]) -> Planes {
+        let [light, _] = self.own;
+        let (height, stride) = (light.height, light.stride);
+        let mut weights = light.unset_like(1);
         let [first, second] = sums;
-        let lines = weights.par_lines_mut().zip(first.par_lines_mut()).zip(second.par_lines_mut());
-        lines.enumerate().for_each_init(
-            || (Sums::new(stride), vec![0.0; AROUND * stride]),
-            |(sums, around), (y, ((weights, first), second))| {
-                let (far, near) = around.split_at_mut(PLANES * stride);
-                for (plane, row) in far.chunks_exact_mut(stride).enumerate() {
-                    sums.add::<FAR>(measured, plane, y, row);
+        let of_batch = height.div_ceil(rayon::current_num_threads()).max(BATCH);
+        let bands =
+            weights.bands_mut(of_batch).zip(first.bands_mut(of_batch)).zip(second.bands_mut(of_batch));
+        let bands: Vec<_> = bands.collect();
+        bands.into_par_iter().enumerate().for_each_init(
+            || Workspace::new(light),
+            |workspace, (band, ((weights, first), second))| {
+                let halves = first.chunks_exact_mut(3 * stride).zip(second.chunks_exact_mut(3 * stride));
+                let first = band * of_batch;
+                let mut compared = first.saturating_sub(FAR);
+                for (y, (weights, (first, second))) in
+                    (first..).zip(weights.chunks_exact_mut(stride).zip(halves))
+                {
+                    let below = height.min(y + FAR + 1);
+                    (compared..below).for_each(|y| workspace.compare(self, (neighbor, their_place), y));
+                    compared = below;
+                    workspace.add_weighted((y, height), weights, [first, second]);
                 }
-                for (plane, row) in [SEEN, CHANGE].into_iter().zip(near.chunks_exact_mut(stride)) {
-                    sums.add::<NEAR>(measured, plane, y, row);
-                }
-                let light = [0, 1].map(|half| seen.channels(half, y));
-                dispatch(Weigh {
-                    seen: measured.row(SEEN, y),
-                    around,
-                    weights,
-                    light,
-                    sums: [first, second],
-                });
             },
         );
         weights
+    }
+}
+
+/// What a batch works with. Each row takes the place of an earlier one.
+struct Workspace {
+    /// The light of both halves of the neighbour at the points of the pixels; zero where it does not see them.
+    seen: Planes,
+    measured: Planes,
+    sums: Sums,
+    around: Vec<f32>,
+}
+
+impl Workspace {
+    /// For pictures of the size of `light`.
+    fn new(light: &Planes) -> Self {
+        let planes = |count: usize| Planes::unset(light.memory(), (light.width, ROWS), count);
+        let (sums, around) = (Sums::new(light.stride), vec![0.0; AROUND * light.stride]);
+        Self { seen: planes(HALVES * 3), measured: planes(PLANES), sums, around }
+    }
+
+    /// Compares a row.
+    fn compare(&mut self, agreement: &Agreement, (neighbor, their_place): (&Neighbor, usize), y: usize) {
+        let Agreement { own, place, floor } = agreement;
+        let (stride, width) = (self.measured.stride, self.measured.width);
+        let Neighbor { halves, reprojection } = neighbor;
+        let from =
+            Light { numbers: &halves.dimmed, layers: halves.film().held.len(), layer: their_place, width };
+        let (seen, line) = (self.seen.line_mut(y % ROWS), self.measured.line_mut(y % ROWS));
+        let is_seen = &mut line[SEEN * stride..][..stride];
+        dispatch(See { from, taps: reprojection.row(y), seen, is_seen });
+        let [c, d] = [0, 1].map(|half| channels(&seen[half * 3 * stride..][..3 * stride]));
+        let own = own.each_ref().map(|light| light.channels(*place, y));
+        dispatch(Compare { own, theirs: [c, d], floor: *floor, stride, line });
+    }
+
+    /// Weights a row of a picture of that height, and adds its light.
+    fn add_weighted(
+        &mut self,
+        (y, height): (usize, usize),
+        weights: &mut [f32],
+        light: [&mut [f32]; HALVES],
+    ) {
+        let Self { seen, measured, sums, around } = self;
+        let stride = measured.stride;
+        let (far, near) = around.split_at_mut(PLANES * stride);
+        for (plane, row) in far.chunks_exact_mut(stride).enumerate() {
+            sums.add::<FAR>(measured, plane, (y, height), row);
+        }
+        for (plane, row) in [SEEN, CHANGE].into_iter().zip(near.chunks_exact_mut(stride)) {
+            sums.add::<NEAR>(measured, plane, (y, height), row);
+        }
+        let theirs = [0, 1].map(|half| seen.channels(half, y % ROWS));
+        let seen = measured.row(SEEN, y % ROWS);
+        dispatch(Weigh { seen, around, weights, light: theirs, sums: light });
     }
 }
 

@@ -40,15 +40,13 @@ impl Pooled {
         (layer, place, floor): (LayerId, usize, f32),
     ) -> Self {
         let mut light = dimmed.each_ref().map(|light| light.layer(place));
-        let mut agreement = Agreement::new(&dimmed[0]);
+        let agreement = Agreement { own: dimmed, place, floor };
         let mut all = Vec::with_capacity(neighbors.len());
         for neighbor in neighbors {
             let Some(their_place) = neighbor.halves.place_of(layer) else { continue };
-            agreement.compare((dimmed, place), (neighbor, their_place), floor);
-            let weights = agreement.add_weighted(&mut light);
+            let weights = agreement.add_weighted(neighbor, their_place, &mut light);
             all.push(WeightedNeighbor { neighbor, weights });
         }
-        drop(agreement);
         light.iter_mut().for_each(|light| divide(light, &all));
         let still = still(&all);
         let shown = still.is_some().then(|| pooled_guides::<true>(halves, own, &all));

@@ -40,16 +40,16 @@ impl Taps {
         self.weights != [0.0; 4]
     }
 
-    /// Prefetches numbers for [`Taps::sum`]: those of the last pixel. The others have mostly been read for the pixels before
-    /// and above.
+    /// Prefetches numbers for [`Taps::sum`]: those of the last pixel. The others have mostly been read for the pixels
+    /// before and above.
     #[inline(always)]
     pub fn prefetch<L: Level>(&self, numbers: &[f32], (first, count): (usize, usize), width: usize) {
         let last = (self.row as usize + 1) * width + self.column as usize + 1;
         L::prefetch(numbers, last * count + first);
     }
 
-    /// The weighted sums of eight numbers of each pixel, from the number `first` on. Pixels of a picture of this width have
-    /// `count` numbers.
+    /// The weighted sums of eight numbers of each pixel, from the number `first` on. Pixels of a picture of this width
+    /// have `count` numbers.
     #[inline(always)]
     pub fn sum<S: Single>(&self, numbers: &[f32], (first, count): (usize, usize), width: usize) -> S {
         let at = (self.row as usize * width + self.column as usize) * count + first;
@@ -86,8 +86,8 @@ impl Reprojection {
 
     /// `find` writes the positions at which the other film sees what the pixels of a run see, in pixels from the left
     /// and from the top: no numbers if it is behind the other camera. The run has so many pixels from one on. `find`
-    /// returns what they see. `hide` takes the shares of the pixels of the other film that see something else. Pixels are
-    /// counted row by row. The film has its memory from `memory`.
+    /// returns what they see. `hide` takes the shares of the pixels of the other film that see something else. Pixels
+    /// are counted row by row. The film has its memory from `memory`.
     pub fn new<P>(
         memory: &Memory,
         size: (u32, u32),
@@ -247,8 +247,8 @@ impl SimdKernel for Weigh<'_> {
     }
 }
 
-/// The pixel before positions along an axis, the weight of the pixel behind it, which is 0 if there is none, and whether
-/// they are in the picture.
+/// The pixel before positions along an axis, the weight of the pixel behind it, which is 0 if there is none, and
+/// whether they are in the picture.
 #[inline(always)]
 fn between<F: Real>(at: F, count: u32) -> (F, F, F::Mask) {
     let (zero, half) = (F::splat(0.0), F::splat(0.5));

@@ -2,9 +2,9 @@
 //!
 //! A window is four cells around a corner: two of a row of cells, and two of the next one. So what is kept of a row of
 //! cells are the sums of every two of them that are side by side. As soon as a cell is added, the window of which it is
-//! the lower right one is complete, and its pair takes the place of the one above, which nothing needs any more. So sums
-//! are in the first cache while they are used. The sums of windows whose cells are the four of a larger one are the sums
-//! of the larger cells.
+//! the lower right one is complete, and its pair takes the place of the one above, which nothing needs any more. So
+//! sums are in the first cache while they are used. The sums of windows whose cells are the four of a larger one are
+//! the sums of the larger cells.
 
 use super::super::columns::{Columns, LANES};
 use super::super::planes::COLUMN;
@@ -74,8 +74,8 @@ impl Cells {
         true
     }
 
-    /// Ends a block, which completes the windows at the first places of its columns: their cells are beside the last ones
-    /// of the columns before.
+    /// Ends a block, which completes the windows at the first places of its columns: their cells are beside the last
+    /// ones of the columns before.
     #[inline(always)]
     pub fn end_block<F: Real>(&mut self, block: usize) {
         let last = if self.of_column() == 1 { &self.first } else { &self.last };

@@ -17,16 +17,16 @@ pub const ALONG: usize = FEATURES - 1;
 /// The fits of a layer to each channel along a row of pixels.
 pub type Fit = [[Lanes; ALONG]; CHANNELS];
 
-/// The rows of pixels in which fits are evaluated at once: those of windows are read once for both. Cells have as many, or
-/// several times as many.
+/// The rows of pixels in which fits are evaluated at once: those of windows are read once for both. Cells have as many,
+/// or several times as many.
 pub const ROWS: usize = 2;
 
 /// The pixels of a row at which fits are evaluated at once, likewise.
 const PIXELS: usize = 2;
 
-/// The fitted light of a layer in one or two rows of pixels of a block, in lanes: the fits of the four windows around each
-/// pixel, weighted as in bilinear interpolation. `fits` are those of the rows of windows above the pixels and below, in
-/// cells of the side `cell`. `beside` is memory for the fits on the left of a cell and on its right.
+/// The fitted light of a layer in one or two rows of pixels of a block, in lanes: the fits of the four windows around
+/// each pixel, weighted as in bilinear interpolation. `fits` are those of the rows of windows above the pixels and
+/// below, in cells of the side `cell`. `beside` is memory for the fits on the left of a cell and on its right.
 #[inline(always)]
 pub fn evaluate<F: Real>(
     guides: &Guides,
@@ -63,8 +63,8 @@ pub fn evaluate<F: Real>(
     }
 }
 
-/// The fits for pixels of row `y` and of the next one, between windows above and below, by the share of those below. They
-/// are functions of the guides but the last one, which is the row: its part is in the constant.
+/// The fits for pixels of row `y` and of the next one, between windows above and below, by the share of those below.
+/// They are functions of the guides but the last one, which is the row: its part is in the constant.
 #[inline(always)]
 fn interpolate<F: Real>(
     above: &[Lanes],

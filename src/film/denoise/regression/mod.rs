@@ -5,7 +5,8 @@
 //! around a pixel are weighted as in bilinear interpolation, so that no edges of windows show.
 //!
 //! Cells have several sizes. Those of a size are summed from the four of the size below in each, so pixels are summed
-//! once. Cells go from size to size as they are complete: of each size, a row of cells and two rows of fits are in memory.
+//! once. Cells go from size to size as they are complete: of each size, a row of cells and two rows of fits are in
+//! memory.
 
 mod cells;
 mod evaluate;

@@ -17,7 +17,8 @@ pub const fn count(channels: usize) -> usize {
 /// Pixels of the smallest cells, as row and place in the cell.
 const PIXELS: [(usize, usize); 4] = [(0, 0), (0, 1), (1, 0), (1, 1)];
 
-/// Sums the pixels of one of the smallest cells in the columns of a block. The `light` is that of its two rows of pixels.
+/// Sums the pixels of one of the smallest cells in the columns of a block. The `light` is that of its two rows of
+/// pixels.
 #[inline(always)]
 pub fn sum_pixels<F: Real>(
     guides: &Guides,
