@@ -4,7 +4,7 @@ use super::super::Film;
 use super::columns::{Columns, LANES};
 use super::memory::{Held, Memory};
 use super::planes::COLUMN;
-use crate::base::lanes::{Level, Real, Row, Select, SimdKernel, Single, dispatch};
+use crate::base::lanes::{Level, Real, Row, SimdKernel, Single, dispatch};
 use crate::film::aov::GUIDES;
 use rayon::prelude::*;
 

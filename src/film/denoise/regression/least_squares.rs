@@ -17,7 +17,7 @@ const fn entry(row: usize, column: usize) -> usize {
 /// The entries of a lower triangular matrix over the guides.
 pub type Factors = [Lanes; COUNT * (COUNT + 1) / 2];
 
-/// Repeats a block for each of the guides, with its number as a constant. Arrays over the guides are in registers then,
+/// Repeats a block for each of the guides, with its number written out. Arrays over the guides are in registers then,
 /// which the compiler does not find in nested loops.
 macro_rules! for_guides {
     ($guide:ident => $body:block) => {
@@ -25,7 +25,7 @@ macro_rules! for_guides {
     };
     ($guide:ident => $body:block, $($number:literal)*) => {
         $({
-            const $guide: usize = $number;
+            let $guide: usize = $number;
             $body
         })*
     };
@@ -36,36 +36,37 @@ macro_rules! for_guides {
 /// The covariances of the guides are decomposed to L D Lᵀ: that is Cholesky's decomposition without its roots. `lower`
 /// is memory for L below its diagonal, which is 1.
 #[inline(always)]
+#[allow(unused_assignments, reason = "what the last repetitions assign is for those that do not follow")]
 pub fn fit_window<F: Real>(sums: &[Lanes], cell: usize, lower: &mut Factors, fits: &mut [Lanes]) {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
     let Some((sums, products)) = sums.split_first_chunk::<PAIRS>() else { return };
     // 1 over the number of pixels, and 1 / D.
     let share = one / sums[0].get::<F>();
     let (mut means, mut inverses) = ([zero; COUNT], [zero; COUNT]);
-    for_guides!(GUIDE => { means[GUIDE] = sums[entry(GUIDE + 1, 0)].get::<F>() * share; });
+    for_guides!(guide => { means[guide] = sums[entry(guide + 1, 0)].get::<F>() * share; });
     // The entries of L D in a row.
     let mut scaled = [zero; COUNT];
-    for_guides!(ROW => {
-        for_guides!(COLUMN => {
-            if COLUMN <= ROW {
+    for_guides!(row => {
+        for_guides!(column => {
+            if column <= row {
                 let mut rest =
-                    sums[entry(ROW + 1, COLUMN + 1)].get::<F>() * share - means[ROW] * means[COLUMN];
-                if COLUMN == ROW {
-                    let ridge = if ROW < POSITION { RIDGE } else { RIDGE * (cell * cell) as f64 };
+                    sums[entry(row + 1, column + 1)].get::<F>() * share - means[row] * means[column];
+                if column == row {
+                    let ridge = if row < POSITION { RIDGE } else { RIDGE * (cell * cell) as f64 };
                     // Rounding may make the variance of a large guide negative.
                     rest = rest.max(zero) + F::splat(ridge);
                 }
-                for_guides!(K => {
-                    if K < COLUMN {
-                        rest = rest - scaled[K] * lower[entry(COLUMN, K)].get::<F>();
+                for_guides!(k => {
+                    if k < column {
+                        rest = rest - scaled[k] * lower[entry(column, k)].get::<F>();
                     }
                 });
-                if COLUMN < ROW {
-                    scaled[COLUMN] = rest;
-                    lower[entry(ROW, COLUMN)].set(rest * inverses[COLUMN]);
+                if column < row {
+                    scaled[column] = rest;
+                    lower[entry(row, column)].set(rest * inverses[column]);
                 } else {
                     // The ridge keeps the diagonal positive but for rounding.
-                    inverses[ROW] = one / rest.max(F::splat(f64::EPSILON));
+                    inverses[row] = one / rest.max(F::splat(f64::EPSILON));
                 }
             }
         });
@@ -74,27 +75,27 @@ pub fn fit_window<F: Real>(sums: &[Lanes], cell: usize, lower: &mut Factors, fit
     for (products, into) in products.iter().zip(fits.as_chunks_mut::<FEATURES>().0) {
         let light = products[0].get::<F>() * share;
         let mut fit = [zero; COUNT];
-        for_guides!(ROW => {
-            let mut rest = products[ROW + 1].get::<F>() * share - light * means[ROW];
-            for_guides!(K => {
-                if K < ROW {
-                    rest = rest - fit[K] * lower[entry(ROW, K)].get::<F>();
+        for_guides!(row => {
+            let mut rest = products[row + 1].get::<F>() * share - light * means[row];
+            for_guides!(k => {
+                if k < row {
+                    rest = rest - fit[k] * lower[entry(row, k)].get::<F>();
                 }
             });
-            fit[ROW] = rest;
+            fit[row] = rest;
         });
         let mut constant = light;
-        for_guides!(BELOW => {
-            const ROW: usize = COUNT - 1 - BELOW;
-            let mut rest = fit[ROW] * inverses[ROW];
-            for_guides!(K => {
-                if K > ROW {
-                    rest = rest - fit[K] * lower[entry(K, ROW)].get::<F>();
+        for_guides!(below => {
+            let row = COUNT - 1 - below;
+            let mut rest = fit[row] * inverses[row];
+            for_guides!(k => {
+                if k > row {
+                    rest = rest - fit[k] * lower[entry(k, row)].get::<F>();
                 }
             });
-            fit[ROW] = rest;
-            into[ROW + 1].set(rest);
-            constant = constant - rest * means[ROW];
+            fit[row] = rest;
+            into[row + 1].set(rest);
+            constant = constant - rest * means[row];
         });
         into[0].set(constant);
     }
