@@ -4,10 +4,10 @@ use super::camera_rays::Placement;
 use super::pixels::PixelTracer;
 use super::settings::{Moment, TraceSettings};
 use super::wavefront::WAVE;
-use crate::base::lanes::{Bits, Level, Real, Row, Select, SimdKernel, Vec3, dispatch};
+use crate::base::lanes::{Bits, Level, Real, Row, Select, SimdKernel, Vec3, dispatch, prefetch};
 use crate::base::math::{Basis, DAffine3, DMat3, DVec3, inverse};
 use crate::camera::{Camera, Projection, pixels_of};
-use crate::film::denoise::{Memory, Places, RUN, Reprojection, Run};
+use crate::film::denoise::{Memory, Places, RUN, Reprojection, Run, Views};
 use crate::geometry::shape::ShapeHit;
 use crate::sampling::PixelSampler;
 use crate::scene::Scene;
@@ -25,25 +25,28 @@ pub struct PrimaryHits {
     camera: Camera,
     /// Row by row from the top left.
     hits: Vec<PrimaryHit>,
+    /// The normals of the same hits, which only their own frame needs.
+    normals: Vec<[f32; 3]>,
     /// Per primitive: from the world to its own space.
     to_object: Vec<DAffine3>,
 }
 
-/// A hit in the world.
+/// A hit in the world. Two are a line of the cache.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
 struct PrimaryHit {
     /// Not finite if nothing is hit.
     point: DVec3,
-    normal: [f32; 3],
     /// [`NOTHING`] if nothing is hit.
     primitive: u32,
 }
 
-/// What the pixels of a run see, in the world of the other frame.
-struct SeenPoints {
+/// What the pixels of a run see, in the world of one of the frames.
+#[derive(Clone)]
+pub struct SeenPoints {
     primitives: [u32; RUN],
     /// Per axis: points of primitives, and the normals of planes through them. Those of the background are as far away
-    /// as one unit.
+    /// as one unit; in the world of their own frame, they are directions.
     points: [Run; 3],
     normals: [Run; 3],
     /// How far from the plane other points of the surface may lie.
@@ -52,16 +55,18 @@ struct SeenPoints {
 
 impl PrimaryHits {
     /// Bytes per pixel.
-    pub const BYTES_PER_PIXEL: u64 = size_of::<PrimaryHit>() as u64;
+    pub const BYTES_PER_PIXEL: u64 = size_of::<(PrimaryHit, [f32; 3])>() as u64;
 
     /// The hits that camera rays find, through the centre of the lens.
     pub fn find(scene: &Scene, bvh: &Bvh, settings: &TraceSettings) -> Self {
         let (camera, size) = (Camera { lens: None, ..*scene.camera }, settings.size);
         let scene = Scene { camera: &camera, ..*scene };
         let tracer = PixelTracer::new(&scene, bvh, settings, Moment::ONLY);
-        let nothing = PrimaryHit { point: DVec3::NAN, normal: [0.0; 3], primitive: NOTHING };
-        let mut hits = vec![nothing; size.0 as usize * size.1 as usize];
-        hits.par_chunks_mut(WAVE).enumerate().for_each(|(wave, hits)| {
+        let pixels = size.0 as usize * size.1 as usize;
+        let mut hits = vec![PrimaryHit { point: DVec3::NAN, primitive: NOTHING }; pixels];
+        let mut normals = vec![[0.0; 3]; pixels];
+        let waves = hits.par_chunks_mut(WAVE).zip(normals.par_chunks_mut(WAVE));
+        waves.enumerate().for_each(|(wave, (hits, normals))| {
             let mut scratch = tracer.take_scratch();
             let (mut samples, places) = scratch.take_samples();
             samples.clear();
@@ -70,14 +75,15 @@ impl PrimaryHits {
             let sampler = PixelSampler::new((0, 0), 0).sample(0);
             centers.clone().for_each(|center| samples.push_at(center, sampler));
             let found = scratch.first_hits(&tracer.context, &samples, Placement::Given);
-            for (place, (hit, center)) in hits.iter_mut().zip(centers).enumerate() {
+            let hits = hits.iter_mut().zip(normals);
+            for (place, ((hit, normal), center)) in hits.zip(centers).enumerate() {
                 let (primitive, part) = (found.primitive[place], found.part[place]);
                 if primitive != NOTHING {
                     let ray = camera.pixel_ray(center, size);
                     let at = ShapeHit::of_part(found.t[place], part);
                     let surface = scene.geometry.primitives[primitive as usize].surface_at(&ray, at);
-                    let normal = surface.normal.as_vec3().to_array();
-                    *hit = PrimaryHit { point: ray.at(at.t), normal, primitive };
+                    *normal = surface.normal.as_vec3().to_array();
+                    *hit = PrimaryHit { point: ray.at(at.t), primitive };
                 }
             }
             scratch.give_back(samples, places);
@@ -85,36 +91,14 @@ impl PrimaryHits {
         });
         let slots = 0..scene.geometry.primitives.len();
         let to_object = slots.map(|slot| *scene.geometry.origin(slot).to_object()).collect();
-        Self { size, camera, hits, to_object }
+        Self { size, camera, hits, normals, to_object }
     }
 
-    /// Where another frame sees the points that these pixels see. Points move with their objects. What is found has its
+    /// Where other frames see the points that these pixels see. Points move with their objects. What is found has its
     /// memory from `memory`.
-    pub fn seen_by(&self, other: &Self, memory: &Memory) -> Reprojection {
-        let motions = self.motions(other);
-        let find = |first: usize, count: usize, at: &mut [Run; 2]| {
-            let mut seen = SeenPoints {
-                primitives: [NOTHING; RUN],
-                points: [[f64::NAN; RUN]; 3],
-                normals: [[0.0; RUN]; 3],
-                within: [0.0; RUN],
-            };
-            for (index, (pixel, hit)) in (first..).zip(&self.hits[first..][..count]).enumerate() {
-                let found = match hit.primitive {
-                    NOTHING => other.point_towards(self.direction(pixel)).map(|point| (point, DVec3::ZERO)),
-                    _ => motions.get(hit.primitive as usize).and_then(|motion| hit.moved(motion)),
-                };
-                let Some((point, normal)) = found else { continue };
-                seen.primitives[index] = hit.primitive;
-                for axis in 0..3 {
-                    (seen.points[axis][index], seen.normals[axis][index]) = (point[axis], normal[axis]);
-                }
-            }
-            dispatch(Project { by: other, points: &seen.points, at, within: &mut seen.within });
-            seen
-        };
-        let hide = |seen: &SeenPoints, places: &mut Places| dispatch(Hide { from: other, seen, places });
-        Reprojection::new(memory, self.size, find, hide)
+    pub fn seen_by(&self, others: &[&Self], memory: &Memory) -> Vec<Reprojection> {
+        let others: Vec<_> = others.iter().map(|other| (*other, self.motions(other))).collect();
+        Reprojection::all(memory, self.size, others.len(), &Sights { own: self, others })
     }
 
     /// How each primitive moves to the other frame.
@@ -141,6 +125,7 @@ impl PrimaryHits {
     }
 
     /// A point that is seen in a direction, one unit away.
+    #[inline]
     fn point_towards(&self, direction: DVec3) -> Option<DVec3> {
         match self.camera.projection {
             Projection::Perspective { .. } => Some(self.camera.position + direction),
@@ -150,15 +135,86 @@ impl PrimaryHits {
     }
 }
 
-impl PrimaryHit {
-    /// The point and the normal in the other frame. None if the normal vanishes.
-    fn moved(&self, motion: &Motion) -> Option<(DVec3, DVec3)> {
-        let normal = DVec3::from_array(self.normal.map(f64::from));
-        match motion {
-            Motion::Still => Some((self.point, normal)),
-            Motion::Moved { to, normals } => {
-                Some((to.transform_point3(self.point), (*normals * normal).try_normalize()?))
+/// A frame, and others, to which its points move.
+struct Sights<'a> {
+    own: &'a PrimaryHits,
+    others: Vec<(&'a PrimaryHits, Vec<Motion>)>,
+}
+
+impl Views for Sights<'_> {
+    type Points = SeenPoints;
+
+    const UNSEEN: SeenPoints = SeenPoints {
+        primitives: [NOTHING; RUN],
+        points: [[f64::NAN; RUN]; 3],
+        normals: [[0.0; RUN]; 3],
+        within: [0.0; RUN],
+    };
+
+    fn see(&self, first: usize, count: usize, points: &mut SeenPoints) {
+        let PrimaryHits { hits, normals, .. } = self.own;
+        if count < RUN {
+            points.clone_from(&Self::UNSEEN);
+        }
+        let pixels = (first..).zip(hits[first..][..count].iter().zip(&normals[first..]));
+        for (index, (pixel, (hit, normal))) in pixels.enumerate() {
+            prefetch(hits, pixel + RUN);
+            let point = if hit.primitive == NOTHING { self.own.direction(pixel) } else { hit.point };
+            points.set(index, hit.primitive, point, DVec3::from_array(normal.map(f64::from)));
+        }
+    }
+
+    fn find(&self, film: usize, points: &SeenPoints, moved: &mut SeenPoints, at: &mut [Run; 2]) {
+        let (other, motions) = &self.others[film];
+        moved.clone_from(points);
+        for (index, primitive) in points.primitives.iter().enumerate() {
+            let found = match (*primitive, motions.get(*primitive as usize)) {
+                (NOTHING, _) => other.point_towards(points.point(index)).map(|point| (point, DVec3::ZERO)),
+                (_, Some(Motion::Still)) => continue,
+                (_, Some(Motion::Moved { to, normals })) => {
+                    let normal = (*normals * points.normal(index)).try_normalize();
+                    normal.map(|normal| (to.transform_point3(points.point(index)), normal))
+                }
+                (_, None) => None,
+            };
+            match found {
+                Some((point, normal)) => moved.set(index, *primitive, point, normal),
+                None => moved.set(index, NOTHING, DVec3::NAN, DVec3::ZERO),
             }
+        }
+        dispatch(Project { by: other, points: &moved.points, at, within: &mut moved.within });
+    }
+
+    fn prefetch(&self, film: usize, places: &Places) {
+        let (other, _) = &self.others[film];
+        // The upper ones have been read for the row above. Two are a line of the cache, as those of two pixels are.
+        for pixel in places.pixels[Places::LAST].iter().step_by(2) {
+            prefetch(&other.hits, *pixel as usize);
+        }
+    }
+
+    fn hide(&self, film: usize, moved: &SeenPoints, places: &mut Places) {
+        let (from, _) = self.others[film];
+        dispatch(Hide { from, seen: moved, places });
+    }
+}
+
+impl SeenPoints {
+    #[inline]
+    fn point(&self, index: usize) -> DVec3 {
+        DVec3::from_array(self.points.each_ref().map(|axis| axis[index]))
+    }
+
+    #[inline]
+    fn normal(&self, index: usize) -> DVec3 {
+        DVec3::from_array(self.normals.each_ref().map(|axis| axis[index]))
+    }
+
+    #[inline]
+    fn set(&mut self, index: usize, primitive: u32, point: DVec3, normal: DVec3) {
+        self.primitives[index] = primitive;
+        for axis in 0..3 {
+            (self.points[axis][index], self.normals[axis][index]) = (point[axis], normal[axis]);
         }
     }
 }
@@ -219,13 +275,9 @@ impl SimdKernel for Hide<'_> {
         let Self { from: PrimaryHits { hits, .. }, seen, places: Places { pixels, shares, .. } } = self;
         let (zero, nothing) = (L::F64::splat(0.0), L::U32::splat(NOTHING));
         let (mut points, mut primitives) = ([[0.0; RUN]; 3], [NOTHING; RUN]);
-        // The next run sees the pixels behind these, or nearly so. The upper ones have been read for the row above.
-        for pixel in &pixels[Places::LAST] {
-            L::prefetch(hits, *pixel as usize + RUN);
-        }
         for (pixels, shares) in pixels.iter().zip(shares) {
             for (index, pixel) in pixels.iter().enumerate() {
-                let PrimaryHit { point, primitive, .. } = hits[*pixel as usize];
+                let PrimaryHit { point, primitive } = hits[*pixel as usize];
                 [points[0][index], points[1][index], points[2][index]] = point.to_array();
                 primitives[index] = primitive;
             }
@@ -291,7 +343,7 @@ mod tests {
 
     /// The number of pixels whose points the other frame sees.
     fn seen(own: &PrimaryHits, other: &PrimaryHits) -> usize {
-        let found = own.seen_by(other, &Memory::default());
+        let found = own.seen_by(&[other], &Memory::default()).remove(0);
         let pixels = (0..SIZE.1 as usize).flat_map(|y| (0..SIZE.0 as usize).map(move |x| [x, y]));
         pixels.filter(|pixel| found.sees(*pixel)).count()
     }
@@ -328,7 +380,7 @@ mod tests {
     #[test]
     fn hidden_points_are_not_seen() {
         let (own, behind) = (hits(EYE, 0.0), hits(DVec3::new(0.0, 2.0, -9.0), 0.0));
-        let found = own.seen_by(&behind, &Memory::default());
+        let found = own.seen_by(&[&behind], &Memory::default()).remove(0);
         // The point of the ball that is nearest to the eye.
         let near = |pixel: &usize| (own.hits[*pixel].point - EYE).length();
         let ball = (0..own.hits.len()).filter(|pixel| own.hits[*pixel].primitive == 1);

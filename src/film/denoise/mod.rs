@@ -36,7 +36,7 @@ mod trust;
 pub use error::RemainingError;
 pub use halves::Halves;
 pub use memory::Memory;
-pub use neighbors::{Neighbor, Places, RUN, Reprojection, Run};
+pub use neighbors::{Neighbor, Places, RUN, Reprojection, Run, Views};
 pub use trial::trial;
 
 use super::aov::GUIDES;

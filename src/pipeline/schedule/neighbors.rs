@@ -46,15 +46,15 @@ impl<S: FilmSink> FrameLoop<S> {
             return Err(no_film(state));
         };
         let memory = self.filter_memory();
-        let found_in = |other: &SampledFrame| {
-            let found = own.hits.seen_by(&other.hits, &memory);
-            // Where nothing moves, they have the same random numbers otherwise, and nothing to add.
-            if self.quality.vary_noise { found } else { found.without_still() }
-        };
         let film = tracing::debug_span!("denoise").in_scope(|| {
-            let found = others.iter().map(|other| (&other.halves, found_in(other)));
-            let neighbors: Vec<Neighbor> =
-                found.map(|(halves, reprojection)| Neighbor { halves, reprojection }).collect();
+            let hits: Vec<&PrimaryHits> = others.iter().map(|other| &other.hits).collect();
+            let found = others.iter().zip(own.hits.seen_by(&hits, &memory));
+            let neighbors = found.map(|(SampledFrame { halves, .. }, found)| {
+                // Where nothing moves, they have the same random numbers otherwise, and nothing to add.
+                let reprojection = if self.quality.vary_noise { found } else { found.without_still() };
+                Neighbor { halves, reprojection }
+            });
+            let neighbors: Vec<Neighbor> = neighbors.collect();
             let films = SampleFilms { halves: &own.halves, neighbors: &neighbors, audits: [&a, &b] };
             denoise(&films, f64::from(self.quality.traced_samples(self.quality.samples)))
         });

@@ -10,7 +10,7 @@ mod pool;
 mod reprojection;
 
 pub use pool::Pooled;
-pub use reprojection::{Places, RUN, Reprojection, Run, Taps};
+pub use reprojection::{Places, RUN, Reprojection, Run, Taps, Views};
 
 use super::halves::Halves;
 

@@ -1,8 +1,9 @@
 //! Where another film of the same size sees the points that the pixels of a film see.
 
 use super::super::memory::{Held, Memory};
-use crate::base::lanes::{Bits, Level, Real, Row, Select, SimdKernel, Single, dispatch};
+use crate::base::lanes::{Bits, Level, Mask, Real, Row, Select, SimdKernel, Single, dispatch};
 use rayon::prelude::*;
+use std::array::from_fn;
 
 /// Positions nearer to the centre of a pixel than this, in pixels, are the centre: where nothing moves, rounding must not
 /// blur.
@@ -80,46 +81,79 @@ pub const RUN: usize = 64;
 /// A number of each pixel of a run. Those of pixels that a shorter run lacks may be any.
 pub type Run = [f64; RUN];
 
+/// What the pixels of a film see, and how others see that. Pixels are counted row by row.
+pub trait Views: Sync {
+    /// What the pixels of a run see.
+    type Points: Clone + Send;
+
+    /// Memory for what a run sees.
+    const UNSEEN: Self::Points;
+
+    /// What the pixels of a run see. It has so many pixels from one on.
+    fn see(&self, first: usize, count: usize, points: &mut Self::Points);
+
+    /// The positions at which another film sees these points, in pixels from the left and from the top: no numbers if
+    /// they are behind its camera. `moved` becomes the points as that film sees them.
+    fn find(&self, film: usize, points: &Self::Points, moved: &mut Self::Points, at: &mut [Run; 2]);
+
+    /// Prefetches what the pixels of a film see, for [`Views::hide`].
+    fn prefetch(&self, _film: usize, _places: &Places) {}
+
+    /// Takes the shares of the pixels of a film that see something else than these points.
+    fn hide(&self, film: usize, moved: &Self::Points, places: &mut Places);
+}
+
+/// How a film sees a run of pixels of another one.
+#[derive(Clone)]
+struct View<P> {
+    moved: P,
+    at: [Run; 2],
+    places: Places,
+}
+
 #[warn(missing_docs)]
 impl Reprojection {
     pub(super) const BYTES_PER_PIXEL: u64 = size_of::<Taps>() as u64;
 
-    /// `find` writes the positions at which the other film sees what the pixels of a run see, in pixels from the left
-    /// and from the top: no numbers if it is behind the other camera. The run has so many pixels from one on. `find`
-    /// returns what they see. `hide` takes the shares of the pixels of the other film that see something else. Pixels
-    /// are counted row by row. The film has its memory from `memory`.
-    pub fn new<P>(
-        memory: &Memory,
-        size: (u32, u32),
-        find: impl Fn(usize, usize, &mut [Run; 2]) -> P + Sync,
-        hide: impl Fn(&P, &mut Places) + Sync,
-    ) -> Self {
-        let width = size.0 as usize;
-        let mut taps = memory.unset::<Taps>(width * size.1 as usize);
-        let rows = taps.par_chunks_exact_mut(width.max(1)).enumerate();
-        let is_partly_still = rows.map(|(y, row)| {
-            let mut is_partly_still = false;
-            let (mut at, mut places, mut weights) = ([[0.0; RUN]; 2], Places::default(), [[0.0; RUN]; 4]);
-            for (x, taps) in (0..).step_by(RUN).zip(row.chunks_mut(RUN)) {
-                let points = find(y * width + x, taps.len(), &mut at);
-                dispatch(FindPlaces { at: &at, size, places: &mut places });
-                hide(&points, &mut places);
-                dispatch(Weigh { shares: &places.shares, weights: &mut weights });
-                for (index, taps) in taps.iter_mut().enumerate() {
-                    let [column, row] = places.corner.each_ref().map(|corner| corner[index]);
-                    let weights = weights.each_ref().map(|weights| weights[index]);
-                    let [across, down] = at.each_ref().map(|at| at[index]);
-                    let away = [across - ((x + index) as f64 + 0.5), down - (y as f64 + 0.5)];
-                    let is_centered = (away[0].abs() < CENTERED) & (away[1].abs() < CENTERED);
-                    let is_still = is_centered & (weights[0] == 1.0);
-                    *taps = Taps { column, row, weights, is_still };
-                    is_partly_still |= is_still;
+    /// Where so many other films see what a film of this size sees. All have their memory from `memory`, and are found
+    /// run by run, so what the pixels of a run see is read once, and what others see is on its way meanwhile.
+    pub fn all<V: Views>(memory: &Memory, size: (u32, u32), films: usize, views: &V) -> Vec<Self> {
+        let (width, pixels) = (size.0 as usize, size.0 as usize * size.1 as usize);
+        let mut all: Vec<Held<Taps>> = (0..films).map(|_| memory.unset(pixels)).collect();
+        let mut rows: Vec<Vec<&mut [Taps]>> = (0..size.1).map(|_| Vec::with_capacity(films)).collect();
+        for taps in &mut all {
+            let of_film = taps.chunks_exact_mut(width.max(1));
+            rows.iter_mut().zip(of_film).for_each(|(row, taps)| row.push(taps));
+        }
+        let unseen = || {
+            let places = Places { corner: [[0; RUN]; 2], pixels: [[0; RUN]; 4], shares: [[0.0; RUN]; 4] };
+            (V::UNSEEN, vec![View { moved: V::UNSEEN, at: [[0.0; RUN]; 2], places }; films])
+        };
+        let are_still = rows.into_par_iter().enumerate().map_init(unseen, |(points, seen), (y, mut row)| {
+            let mut are_still = vec![false; films];
+            for x in (0..width).step_by(RUN) {
+                let count = RUN.min(width - x);
+                views.see(y * width + x, count, points);
+                for (film, View { moved, at, places }) in seen.iter_mut().enumerate() {
+                    views.find(film, points, moved, at);
+                    dispatch(FindPlaces { at, size, places });
+                    views.prefetch(film, places);
+                }
+                let seen = seen.iter_mut().zip(&mut row).zip(&mut are_still).enumerate();
+                for (film, ((View { moved, at, places }, row), is_still)) in seen {
+                    views.hide(film, moved, places);
+                    *is_still |= dispatch(Weigh { at, places, pixel: [x, y], taps: &mut row[x..][..count] });
                 }
             }
-            is_partly_still
+            are_still
         });
-        let is_partly_still = is_partly_still.reduce(|| false, |one, other| one | other);
-        Self { width, taps, is_partly_still }
+        let either = |mut all: Vec<bool>, more: Vec<bool>| {
+            all.iter_mut().zip(more).for_each(|(one, more)| *one |= more);
+            all
+        };
+        let are_still = are_still.reduce(|| vec![false; films], either);
+        let all = all.into_iter().zip(are_still);
+        all.map(|(taps, is_partly_still)| Self { width, taps, is_partly_still }).collect()
     }
 
     /// That of a film in which nothing is hidden. `find` gives the position at which it sees what a pixel sees.
@@ -128,16 +162,15 @@ impl Reprojection {
         size: (u32, u32),
         find: impl Fn(usize) -> [f64; 2] + Sync,
     ) -> Self {
-        let find = |first: usize, count: usize, at: &mut [Run; 2]| {
-            for (index, pixel) in (first..).take(count).enumerate() {
-                [at[0][index], at[1][index]] = find(pixel);
-            }
-        };
-        Self::new(memory, size, find, |(), _| ())
+        let mut all = Self::all(memory, size, 1, &Unhidden { find });
+        all.swap_remove(0)
     }
 
     /// The same without points that the same pixel sees at the same place.
     pub fn without_still(mut self) -> Self {
+        if !self.is_partly_still {
+            return self;
+        }
         self.taps.iter_mut().filter(|taps| taps.is_still).for_each(|taps| *taps = Taps::default());
         self.is_partly_still = false;
         self
@@ -154,7 +187,32 @@ impl Reprojection {
     }
 }
 
+/// A film in which nothing is hidden: finds the position at which it sees what a pixel sees.
+struct Unhidden<F> {
+    find: F,
+}
+
+impl<F: Fn(usize) -> [f64; 2] + Sync> Views for Unhidden<F> {
+    /// The pixels of a run: the first one, and how many there are.
+    type Points = (usize, usize);
+
+    const UNSEEN: Self::Points = (0, 0);
+
+    fn see(&self, first: usize, count: usize, points: &mut Self::Points) {
+        *points = (first, count);
+    }
+
+    fn find(&self, _: usize, &(first, count): &Self::Points, _: &mut Self::Points, at: &mut [Run; 2]) {
+        for (index, pixel) in (first..).take(count).enumerate() {
+            [at[0][index], at[1][index]] = (self.find)(pixel);
+        }
+    }
+
+    fn hide(&self, _: usize, _: &Self::Points, _: &mut Places) {}
+}
+
 /// The four pixels around each position of a run, in the order of [`Taps`].
+#[derive(Clone)]
 #[warn(missing_docs)]
 pub struct Places {
     /// The column on the left and the row above.
@@ -168,12 +226,6 @@ pub struct Places {
 impl Places {
     /// The last one of the pixels around a position.
     pub const LAST: usize = 3;
-}
-
-impl Default for Places {
-    fn default() -> Self {
-        Self { corner: [[0; RUN]; 2], pixels: [[0; RUN]; 4], shares: [[0.0; RUN]; 4] }
-    }
 }
 
 /// Finds the pixels around positions.
@@ -220,30 +272,49 @@ impl SimdKernel for FindPlaces<'_> {
     }
 }
 
-/// Weights pixels by their shares, so that weights add up to 1.
+/// Weights pixels by their shares, so that weights add up to 1. Returns whether any point is seen by the same pixel.
 struct Weigh<'a> {
-    shares: &'a [Run; 4],
-    weights: &'a mut [[f32; RUN]; 4],
+    at: &'a [Run; 2],
+    places: &'a Places,
+    /// Column and row of the first pixel of the run.
+    pixel: [usize; 2],
+    taps: &'a mut [Taps],
 }
 
 impl SimdKernel for Weigh<'_> {
-    type Output = ();
+    type Output = bool;
 
     #[inline(always)]
-    fn run<L: Level>(self) {
-        let Self { shares, weights } = self;
-        let zero = L::F32::splat(0.0);
-        for index in (0..RUN).step_by(L::F32::LANES) {
+    fn run<L: Level>(self) -> bool {
+        let Self { at: [across, down], places: Places { corner, shares, .. }, pixel: [x, y], taps } = self;
+        let (zero, one) = (L::F32::splat(0.0), L::F32::splat(1.0));
+        let (near, middle) = (L::F64::splat(CENTERED), L::F64::splat(y as f64 + 0.5));
+        let mut is_partly_still = false;
+        for (first, taps) in (0..RUN).step_by(L::F32::LANES).zip(taps.chunks_mut(L::F32::LANES)) {
             let mut all = [zero; 4];
             for (share, weight) in shares.iter().zip(&mut all) {
-                *weight = L::F64::load(share, index).to_f32();
+                *weight = L::F64::load(share, first).to_f32();
             }
             let sum = all[0] + all[1] + all[2] + all[3];
             let is_seen = zero.lt(sum);
-            for (weight, into) in all.into_iter().zip(&mut *weights) {
-                L::F32::select(is_seen, weight / sum, zero).store(into, index);
+            let mut weights = [[0.0; 8]; 4];
+            for (weight, into) in all.iter_mut().zip(&mut weights) {
+                *weight = L::F32::select(is_seen, *weight / sum, zero);
+                *into = weight.to_array();
+            }
+            let centers = L::F64::from_array(from_fn(|lane| (x + first + lane) as f64 + 0.5));
+            let away = [L::F64::load(across, first) - centers, L::F64::load(down, first) - middle];
+            let is_centered = away[0].abs().lt(near) & away[1].abs().lt(near);
+            let are_still = (is_centered & one.le(all[0]) & all[0].le(one)).bits();
+            for (lane, taps) in taps.iter_mut().enumerate() {
+                let [column, row] = corner.each_ref().map(|corner| corner[first + lane]);
+                let weights = weights.each_ref().map(|weights| weights[lane]);
+                let is_still = are_still >> lane & 1 == 1;
+                *taps = Taps { column, row, weights, is_still };
+                is_partly_still |= is_still;
             }
         }
+        is_partly_still
     }
 }
 
@@ -265,16 +336,36 @@ fn between<F: Real>(at: F, count: u32) -> (F, F, F::Mask) {
 mod tests {
     use super::*;
 
-    /// The taps around a position in a picture of 4x3 pixels. None outside of it.
-    fn taps_at(at: [f64; 2], sees: impl Fn(usize) -> bool + Sync) -> Option<Taps> {
-        let hide = |(): &(), places: &mut Places| {
+    /// A film that sees all points at one position, with some of its pixels.
+    struct PartlyHidden<F> {
+        at: [f64; 2],
+        sees: F,
+    }
+
+    impl<F: Fn(usize) -> bool + Sync> Views for PartlyHidden<F> {
+        type Points = ();
+
+        const UNSEEN: () = ();
+
+        fn see(&self, _: usize, _: usize, (): &mut ()) {}
+
+        fn find(&self, _: usize, (): &(), (): &mut (), at: &mut [Run; 2]) {
+            *at = self.at.map(|at| [at; RUN]);
+        }
+
+        fn hide(&self, _: usize, (): &(), places: &mut Places) {
             for (shares, pixels) in places.shares.iter_mut().zip(&places.pixels) {
-                let hidden = shares.iter_mut().zip(pixels).filter(|(_, pixel)| !sees(**pixel as usize));
+                let hidden =
+                    shares.iter_mut().zip(pixels).filter(|(_, pixel)| !(self.sees)(**pixel as usize));
                 hidden.for_each(|(share, _)| *share = 0.0);
             }
-        };
-        let find = |_, _, found: &mut [Run; 2]| *found = at.map(|at| [at; RUN]);
-        let found = Reprojection::new(&Memory::default(), (4, 3), find, hide);
+        }
+    }
+
+    /// The taps around a position in a picture of 4x3 pixels. None outside of it.
+    fn taps_at(at: [f64; 2], sees: impl Fn(usize) -> bool + Sync) -> Option<Taps> {
+        let views = PartlyHidden { at, sees };
+        let found = Reprojection::all(&Memory::default(), (4, 3), 1, &views).remove(0);
         let [across, down] = at;
         ((0.0..=4.0).contains(&across) && (0.0..=3.0).contains(&down)).then(|| found.taps[11])
     }
