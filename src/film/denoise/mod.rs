@@ -161,8 +161,11 @@ fn filter_layer(candidates: &LayerCandidates, layer: usize, audits: [&Film; 2], 
     filtered.par_lines_mut().enumerate().for_each(|(y, line)| {
         let (samples, shares) = (candidates.samples(y), trust.samples(y, &changes));
         for (light, halves) in line[of_layer..].chunks_exact_mut(stride).zip(samples) {
-            for (x, share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
-                light[x] += ((halves[0][x] + halves[1][x]) * 0.5 - light[x]) * share;
+            // Without branches, the compiler finds lanes.
+            let samples = halves[0].iter().zip(halves[1]);
+            for ((light, share), (first, second)) in light.iter_mut().zip(&shares).zip(samples) {
+                let mixed = *light + ((first + second) * 0.5 - *light) * share;
+                *light = if *share > 0.0 { mixed } else { *light };
             }
         }
     });
