@@ -115,18 +115,6 @@ impl Guides {
     /// The features of eight pixels of a row in the picture: of those at the same place in the columns of a block.
     /// Beside the picture, they are zero.
     #[inline(always)]
-    pub fn features<F: Real>(&self, y: usize, block: usize, place: usize) -> [F; FEATURES] {
-        let pixels = self.pixels(y, block, place);
-        let mut features = [pixels.get::<F>(0); FEATURES];
-        for (feature, into) in features.iter_mut().enumerate().take(FEATURES - 1).skip(1) {
-            *into = pixels.get::<F>(feature);
-        }
-        features[FEATURES - 1] = features[0] * F::splat(y as f64);
-        features
-    }
-
-    /// The same eight pixels.
-    #[inline(always)]
     pub fn pixels(&self, y: usize, block: usize, place: usize) -> PixelFeatures<'_> {
         let pixels = block * COLUMN + place;
         let values = &self.values[(y * self.columns.of_row() + pixels * LANES) * POSITION..];

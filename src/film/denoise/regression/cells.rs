@@ -7,8 +7,10 @@
 //! the sums of the larger cells.
 
 use super::super::columns::{Columns, LANES};
+use super::super::guides::Guides;
 use super::super::planes::COLUMN;
-use super::moments;
+use super::light::LightRows;
+use super::moments::{self, Sink, sum_pixels};
 use super::strip::{Lanes, Strip};
 use crate::base::lanes::Real;
 use std::mem::swap;
@@ -23,7 +25,7 @@ pub struct Cells {
     /// The sums of every two cells in the row above, and behind the last cell that was added in its own row. Those of a
     /// cell and the one on its left are at the place of the former.
     pairs: Strip,
-    /// The sums of the last cell that was added, if it is not the first one of its column.
+    /// The sums of the last cell that was added.
     last: Vec<Lanes>,
     /// The sums of the first cells in the columns of the block.
     first: Vec<Lanes>,
@@ -60,17 +62,32 @@ impl Cells {
     pub fn add<F: Real>(&mut self, block: usize, place: usize) -> bool {
         if place == 0 {
             swap(&mut self.next, &mut self.first);
+            self.last.copy_from_slice(&self.first);
             return false;
         }
-        let last = if place == 1 { &self.first } else { &self.last };
-        let pairs = self.pairs.at_mut(block, place);
-        let sums = self.next.iter().zip(last).zip(&mut self.window);
-        for (pair, ((next, last), window)) in pairs.iter_mut().zip(sums) {
-            let below = last.get::<F>() + next.get::<F>();
-            window.set(pair.get::<F>() + below);
-            pair.set(below);
+        let Self { next, window, pairs, last, .. } = self;
+        let mut following = Following { window, pairs: pairs.at_mut(block, place), last };
+        for (index, next) in next.iter().enumerate() {
+            following.take(index, next.get::<F>());
         }
-        swap(&mut self.next, &mut self.last);
+        true
+    }
+
+    /// Adds the next one of the smallest cells, whose pixels are summed. Returns the same.
+    #[inline(always)]
+    pub fn add_pixels<F: Real>(
+        &mut self,
+        guides: &Guides,
+        light: &LightRows,
+        (row, block, place): (usize, usize, usize),
+    ) -> bool {
+        let Self { first, window, pairs, last, .. } = self;
+        if place == 0 {
+            sum_pixels::<F>(guides, light, (row, block, place), &mut First { first, last });
+            return false;
+        }
+        let mut following = Following { window, pairs: pairs.at_mut(block, place), last };
+        sum_pixels::<F>(guides, light, (row, block, place), &mut following);
         true
     }
 
@@ -78,9 +95,8 @@ impl Cells {
     /// ones of the columns before.
     #[inline(always)]
     pub fn end_block<F: Real>(&mut self, block: usize) {
-        let last = if self.of_column() == 1 { &self.first } else { &self.last };
         let pairs = self.pairs.at_mut(block, 0);
-        let sums = self.first.iter().zip(last).zip(&mut self.window).zip(&mut self.border);
+        let sums = self.first.iter().zip(&self.last).zip(&mut self.window).zip(&mut self.border);
         for (pair, (((first, Lanes(last)), window), border)) in pairs.iter_mut().zip(sums) {
             let mut before = [*border; LANES];
             before[1..].copy_from_slice(&last[..LANES - 1]);
@@ -102,5 +118,37 @@ impl Cells {
             window.set(pair.get::<F>() + below.get::<F>());
             *pair = below;
         }
+    }
+}
+
+/// The first cell in the columns of a block.
+struct First<'a> {
+    first: &'a mut [Lanes],
+    last: &'a mut [Lanes],
+}
+
+impl Sink for First<'_> {
+    #[inline(always)]
+    fn take<F: Real>(&mut self, index: usize, sum: F) {
+        self.first[index].set(sum);
+        self.last[index].set(sum);
+    }
+}
+
+/// A cell behind another one.
+struct Following<'a> {
+    window: &'a mut [Lanes],
+    pairs: &'a mut [Lanes],
+    last: &'a mut [Lanes],
+}
+
+impl Sink for Following<'_> {
+    #[inline(always)]
+    fn take<F: Real>(&mut self, index: usize, sum: F) {
+        let (last, pair) = (&mut self.last[index], &mut self.pairs[index]);
+        let below = last.get::<F>() + sum;
+        self.window[index].set(pair.get::<F>() + below);
+        pair.set(below);
+        last.set(sum);
     }
 }

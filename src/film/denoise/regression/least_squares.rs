@@ -1,18 +1,13 @@
 //! Least squares: fits the light of windows to their features.
 
 use super::super::guides::{COUNT, FEATURES, POSITION};
-use super::moments::PAIRS;
+use super::moments::{PAIRS, entry};
 use super::strip::Lanes;
 use crate::base::lanes::Real;
 
 /// What is added to the variance of a guide in a window, so that guides which hardly vary in it have no influence: a
 /// hundredth of the range of an albedo, squared. Positions have cells as their unit.
 const RIDGE: f64 = 1e-4;
-
-/// The place of an entry of a lower triangular matrix.
-const fn entry(row: usize, column: usize) -> usize {
-    row * (row + 1) / 2 + column
-}
 
 /// The entries of a lower triangular matrix over the guides.
 pub type Factors = [Lanes; COUNT * (COUNT + 1) / 2];

@@ -24,7 +24,6 @@ use super::outliers::bounds;
 use super::planes::{COLUMN, Planes};
 use crate::base::lanes::{Level, Real, SimdKernel, dispatch};
 use light::LightRows;
-use moments::sum_pixels;
 use rayon::prelude::*;
 use scale::Scale;
 use std::mem::swap;
@@ -135,8 +134,7 @@ fn add_row<F: Real>(
     scales.iter_mut().enumerate().for_each(|(scale, own)| own.start_row(row >> scale, rows));
     for block in 0..light.columns.blocks() {
         for place in 0..scales[0].cells.of_column() {
-            sum_pixels::<F>(guides, light, (row, block, place), &mut scales[0].cells.next);
-            add_cell::<F>(scales, block, place);
+            add_cell::<F>(guides, light, (row, block, place), scales);
         }
         for own in &mut *scales {
             own.end_block::<F>(block);
@@ -149,12 +147,20 @@ fn add_row<F: Real>(
 
 /// Adds the next one of the smallest cells, and those that are complete with it.
 #[inline(always)]
-fn add_cell<F: Real>(scales: &mut [Scale], block: usize, place: usize) {
+fn add_cell<F: Real>(
+    guides: &Guides,
+    light: &LightRows,
+    (row, block, place): (usize, usize, usize),
+    scales: &mut [Scale],
+) {
     for scale in 0..scales.len() {
-        let place = place >> scale;
         if let [own, larger @ ..] = &mut scales[scale..] {
+            let is_complete = match scale {
+                0 => own.add_pixels::<F>(guides, light, (row, block, place)),
+                _ => own.add::<F>(block, place >> scale),
+            };
             // At every second place, a window is a cell of the next size.
-            let is_cell = own.add::<F>(block, place) && place % 2 == 1;
+            let is_cell = is_complete && (place >> scale) % 2 == 1;
             let Some(next) = larger.first_mut().filter(|_| is_cell) else { return };
             swap(&mut own.cells.window, &mut next.cells.next);
         }

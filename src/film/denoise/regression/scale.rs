@@ -6,6 +6,7 @@ use super::super::planes::{COLUMN, Planes};
 use super::cells::Cells;
 use super::evaluate::{ALONG, CHANNELS, Fit, ROWS, evaluate};
 use super::least_squares::{Factors, fit_window};
+use super::light::LightRows;
 use super::strip::{Lanes, Strip};
 use crate::base::lanes::{Level, Real, Row, Single};
 use std::ops::Range;
@@ -57,6 +58,21 @@ impl Scale {
     #[inline(always)]
     pub fn add<F: Real>(&mut self, block: usize, place: usize) -> bool {
         let is_complete = self.cells.add::<F>(block, place);
+        if is_complete {
+            self.fit::<F>(block, place);
+        }
+        is_complete
+    }
+
+    /// Adds the next one of the smallest cells, whose pixels are summed, likewise.
+    #[inline(always)]
+    pub fn add_pixels<F: Real>(
+        &mut self,
+        guides: &Guides,
+        light: &LightRows,
+        (row, block, place): (usize, usize, usize),
+    ) -> bool {
+        let is_complete = self.cells.add_pixels::<F>(guides, light, (row, block, place));
         if is_complete {
             self.fit::<F>(block, place);
         }

@@ -1,6 +1,7 @@
 use super::super::columns::LANES;
 use super::super::guides::{COUNT, POSITION, guides_of};
 use super::super::memory::Memory;
+use super::evaluate::ALONG;
 use super::*;
 use crate::base::color::Rgb;
 use crate::base::lanes::{Portable, Row};
@@ -69,8 +70,9 @@ fn fits_are_least_squares_in_each_window() {
         let [least, most] = range;
         let at = |x: usize, y: usize| -> Vec<f64> {
             let (block, column) = (x / COLUMN / LANES, x / COLUMN % LANES);
-            let features = guides.features::<<Portable as Level>::F64>(y, block, x % COLUMN);
-            features[1..].iter().map(|feature| feature.to_array()[column]).collect()
+            let pixels = guides.pixels(y, block, x % COLUMN);
+            let of_pixel = |feature| pixels.get::<<Portable as Level>::F64>(feature).to_array()[column];
+            (1..ALONG).map(of_pixel).chain([y as f64]).collect()
         };
         let fitted: [Planes; SCALES] = fit(&guides, &guides, &light);
         let mut random = Random(3);
