@@ -1,16 +1,16 @@
 //! The geometry: a slot for each object, visible or not, with the transform of each shape to its own space, columns for
 //! the tracer, and a journal of changes.
 
-use super::hit::Hit;
 use super::journal::Journal;
 use super::primitive::{Finish, Primitive};
 use super::surfaces::SurfaceTable;
-use crate::appearance::texture::{Footprint, TextureEvalContext, TextureInputs};
+use crate::appearance::texture::{Footprint, TextureEvalContext, TextureInputs, TexturedObject};
 use crate::base::digest::{Content, Digest, Digester};
-use crate::base::math::{DAffine3, DMat3, DVec2, DVec3, absolute, inverse};
+use crate::base::lanes::{Bits, Color, Mask, Real, Row, Select, Vec3, lanes, transform_vector};
+use crate::base::math::{DAffine3, DMat3, DVec3, inverse};
 use crate::geometry::mesh::ArrayKey;
 use crate::geometry::ray_kinds::{RayKind, RayKinds};
-use crate::geometry::shape::{Mesh, Particles, Shape, Surface};
+use crate::geometry::shape::{LaneSurface, Mesh, OneRay, Particles, Shape};
 use crate::geometry::table_rows::TableRow;
 use std::collections::HashMap;
 
@@ -268,42 +268,107 @@ impl Geometry {
         Digest::of(&digests)
     }
 
-    /// The evaluation context of textures at a hit, with those parts that they read. `seen` is the footprint of the
-    /// pixel in the world.
-    #[inline]
-    pub fn texture_context(
+    /// What textures read at points of primitives in the lanes `wanted`, as far as `inputs` names it. `seen` are the
+    /// footprints of the pixels in the world. The other lanes are arbitrary.
+    #[inline(always)]
+    pub fn texture_context<F: Real>(
         &self,
-        hit: &Hit,
-        surface: &Surface,
-        seen: &Footprint,
+        (primitive, part): (F::U32, F::U32),
+        surface: &LaneSurface<F>,
+        seen: &Footprint<F>,
         inputs: TextureInputs,
-    ) -> TextureEvalContext<'_> {
-        let Origin { shape, to_object, row } = &self.origins[hit.primitive as usize];
-        let (point, part) = (to_object.transform_point3(surface.point), hit.at.part);
-        let error = absolute(to_object).transform_vector3(surface.error);
-        let mut context = TextureEvalContext {
-            point,
-            error,
-            shape: Some(shape),
-            part,
-            row: row.as_ref(),
-            ..TextureEvalContext::default()
-        };
-        let uv = |point: DVec3| DVec2::from(shape.uv::<f64>(point.into(), part));
-        if inputs.uv {
-            (context.uv, context.ends) = (uv(point), shape.uv_ends(part));
-        }
-        if inputs.color {
-            context.color = shape.color(point, part);
-        }
-        if inputs.footprint | inputs.footprint_uv {
-            context.footprint = seen.moved(&to_object.matrix3);
-        }
-        if inputs.footprint_uv {
-            context.footprint_uv = context.footprint.to_uv(point, uv);
+        wanted: F::Mask,
+    ) -> TextureEvalContext<'_, F> {
+        let mut context = TextureEvalContext { part, ..TextureEvalContext::nowhere() };
+        let (indices, mut rest) = (primitive.to_array(), wanted.bits());
+        while rest != 0 {
+            let index = indices[rest.trailing_zeros() as usize];
+            let same = primitive.eq(F::U32::splat(index)) & wanted;
+            rest &= !same.bits();
+            let origin = &self.origins[index as usize];
+            for lane in lanes(same.bits()) {
+                context.objects[lane] =
+                    TexturedObject { shape: Some(&origin.shape), row: origin.row.as_ref() };
+            }
+            read_inputs(origin, &mut context, (surface, seen), inputs, same);
         }
         context
     }
+}
+
+/// Reads what textures read of an object, in the lanes of a mask.
+#[inline(always)]
+fn read_inputs<F: Real>(
+    Origin { shape, to_object, .. }: &Origin,
+    context: &mut TextureEvalContext<'_, F>,
+    (surface, seen): (&LaneSurface<F>, &Footprint<F>),
+    inputs: TextureInputs,
+    same: F::Mask,
+) {
+    let DAffine3 { matrix3, translation } = to_object;
+    let point = transform_vector(matrix3, surface.point) + Vec3::splat(*translation);
+    context.point = Vec3::select(same, point, context.point);
+    if inputs.uv {
+        let [u, v] = shape.uv_in(point, context.part, same);
+        context.uv = [F::select(same, u, context.uv[0]), F::select(same, v, context.uv[1])];
+        let (parts, mut ends) = (context.part.to_array(), [0; 2]);
+        for lane in lanes(same.bits()) {
+            let of_part = shape.uv_ends(parts[lane]);
+            ends = [ends[0] | u32::from(of_part[0]) << lane, ends[1] | u32::from(of_part[1]) << lane];
+        }
+        context.ends =
+            [context.ends[0] | F::Mask::from_bits(ends[0]), context.ends[1] | F::Mask::from_bits(ends[1])];
+    }
+    if inputs.color {
+        context.color = Color::select(same, colors(shape, point, context.part, same), context.color);
+    }
+    if inputs.footprint | inputs.footprint_uv {
+        let error = transform_vector(&matrix3.abs(), surface.error);
+        context.error = Vec3::select(same, error, context.error);
+        context.footprint = Footprint::select(same, seen.moved(matrix3), context.footprint);
+    }
+    if inputs.footprint_uv {
+        let found = footprints_in_uv(shape, (point, context.part), &context.footprint, same);
+        context.footprint_uv = Footprint::select(same, found, context.footprint_uv);
+    }
+}
+
+/// The vertex colours of a shape at points in the lanes of a mask.
+#[inline(always)]
+fn colors<F: Real>(shape: &Shape, point: Vec3<F>, part: F::U32, wanted: F::Mask) -> Color<F::F32> {
+    let (points, parts) = (point.store(), part.to_array());
+    let black = F::F32::splat(0.0).to_array();
+    let (mut r, mut g, mut b) = (black, black, black);
+    for lane in lanes(wanted.bits()) {
+        (r[lane], g[lane], b[lane]) = shape.color(points[lane], parts[lane]).into();
+    }
+    Color { r: Row::from_array(r), g: Row::from_array(g), b: Row::from_array(b) }
+}
+
+/// The footprints at points of a shape, in u and v, in the lanes of a mask.
+#[inline(always)]
+fn footprints_in_uv<F: Real>(
+    shape: &Shape,
+    (point, part): (Vec3<F>, F::U32),
+    footprint: &Footprint<F>,
+    wanted: F::Mask,
+) -> Footprint<F> {
+    let (points, parts) = (point.store(), part.to_array());
+    let [first, second] = [footprint.0[0].store(), footprint.0[1].store()];
+    let mut found = [[F::splat(0.0).to_array(); 2]; 2];
+    for lane in lanes(wanted.bits()) {
+        let uv = |point: DVec3| shape.uv_at(point, parts[lane]);
+        let own = Footprint([first[lane].into(), second[lane].into()]).to_uv(points[lane], uv);
+        for (found, diameter) in found.iter_mut().zip(own.0) {
+            (found[0][lane], found[1][lane]) = (diameter.x, diameter.y);
+        }
+    }
+    let [first, second] = found;
+    let zero = F::splat(0.0);
+    Footprint([
+        Vec3::new(F::from_array(first[0]), F::from_array(first[1]), zero),
+        Vec3::new(F::from_array(second[0]), F::from_array(second[1]), zero),
+    ])
 }
 
 /// Adds the digests of a shape's data of these keys.

@@ -212,7 +212,7 @@ mod tests {
         let text = "newmtl a\nmap_Kd -s 2 -4 1 -o 0.5 0.25 0 a.png";
         let material = import::mtl::read(text.as_bytes()).expect("a material").remove(0);
         let placed = placement(material.map(MapUse::Diffuse).expect("an image")).at(Time::from_integer(0));
-        let (at, _) = placed.local(DVec3::new(0.75, 0.5, 0.0), DVec3::ZERO);
+        let (at, _) = placed.local_point(DVec3::new(0.75, 0.5, 0.0));
         assert_eq!(at, DVec3::new(2.0 * 0.75 + 0.5, -4.0 * 0.5 + 0.25, 0.0));
     }
 }

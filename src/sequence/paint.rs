@@ -191,7 +191,6 @@ mod tests {
     use super::*;
     use crate::appearance::texture::{Image, Texture, TextureEvalContext};
     use crate::base::files::Root;
-    use crate::base::math::DVec2;
     use crate::base::time::Time;
     use crate::sequence::Faults;
     use crate::sequence::expand::source::{Source, Sources};
@@ -213,15 +212,10 @@ mod tests {
     }
 
     fn color(text: &str, x: f64, y: f64) -> Rgb {
-        let point = DVec3::new(x, y, 0.0);
-        at_start(text)
-            .at(&TextureEvalContext {
-                uv: DVec2::new(x, y),
-                point,
-                color: Rgb::X,
-                ..TextureEvalContext::default()
-            })
-            .color
+        let point = DVec3::new(x, y, 0.0).into();
+        let (uv, color) = ([x, y], Rgb::X.into());
+        let context = TextureEvalContext { uv, point, color, ..TextureEvalContext::nowhere() };
+        at_start(text).at(&context, true).color.into()
     }
 
     #[test]
@@ -270,13 +264,9 @@ mod tests {
         assert_ne!(one.image, linear.image);
         let bottom_right = Image::texel(&linear.image, 1, 1);
         assert_eq!(bottom_right, Rgb::splat(60.0 / 255.0));
-        assert_eq!(
-            Texture::Image(linear.at(Time::from_integer(0)))
-                .at(&TextureEvalContext { uv: DVec2::new(0.4, 0.6), ..TextureEvalContext::default() })
-                .color,
-            bottom_right,
-            "twice as small, so it is seen twice"
-        );
+        let context = TextureEvalContext { uv: [0.4, 0.6], ..TextureEvalContext::nowhere() };
+        let seen = Texture::Image(linear.at(Time::from_integer(0))).at(&context, true);
+        assert_eq!(Rgb::from(seen.color), bottom_right, "twice as small, so it is seen twice");
     }
 
     #[test]

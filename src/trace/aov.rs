@@ -116,14 +116,7 @@ fn albedo<F: Real>(
     let mut table = &context.table;
     if lobes.has(LobeSet::TEXTURED) {
         let unnoted = &mut Evaluations::default();
-        textures::look_up(
-            context,
-            LobeSet::ALL,
-            hit,
-            path.ray.direction,
-            (seen, seen),
-            (&mut *room, unnoted),
-        );
+        textures::look_up(context, LobeSet::ALL, hit, path.ray.direction, [seen, seen], room, unnoted);
         table = room;
     }
     let rows = LobeRows::new::<F>(lobes, hit.material);

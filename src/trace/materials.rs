@@ -1,6 +1,6 @@
 //! The materials of a scene as tables, from which lanes gather the lobes of their surfaces.
 
-use crate::appearance::material::{Highlight, Lobes, Material};
+use crate::appearance::material::{Highlight, Lobes, Material, PointLobes};
 use crate::appearance::optics::Fresnel;
 use crate::base::color::Rgb;
 use crate::base::lanes::{Color, Lookup, Single};
@@ -144,45 +144,49 @@ impl LobeTable {
     pub fn new<'a>(all: impl ExactSizeIterator<Item = &'a Lobes>) -> Self {
         let rows = all.len();
         let mut table = Self { values: vec![0.0; COLUMNS * rows], rows };
-        all.enumerate().for_each(|(row, lobes)| table.set(row, lobes, LobeSet::ALL));
+        for (row, lobes) in all.enumerate() {
+            table.write::<f32>(row, true, &PointLobes::splat(lobes), LobeSet::ALL);
+        }
         table
     }
 
-    /// Replaces a row, as far as it is about these lobes.
-    #[inline]
-    pub fn set(&mut self, row: usize, lobes: &Lobes, wanted: LobeSet) {
+    /// Replaces rows from `first` on, one for each lane of a mask, as far as they are about the wanted lobes.
+    #[inline(always)]
+    pub fn write<S: Single>(&mut self, first: usize, mask: S::Mask, lobes: &PointLobes<S>, wanted: LobeSet) {
         let highlight = LobeSet::PHONG | LobeSet::BLINN_PHONG;
-        let colors = [
-            (LobeSet::EMISSION, Column::EMISSION, lobes.emission),
-            (LobeSet::AMBIENT, Column::AMBIENT, lobes.ambient),
-            (LobeSet::DIFFUSE, Column::DIFFUSE, lobes.diffuse),
-            (highlight, Column::SPECULAR, lobes.specular),
-            (LobeSet::MIRROR, Column::MIRROR, lobes.mirror),
-            (LobeSet::TRANSPARENT, Column::TRANSPARENCY, lobes.transparency),
-            (LobeSet::REFRACTION, Column::REFRACTION, lobes.refraction),
-            (LobeSet::MICROFACET, Column::BASE, lobes.base),
-        ];
-        for (lobe, Column(first), color) in colors {
+        let mut color = |lobe: LobeSet, Column(column): Column, color: Color<S>| {
             if wanted.has(lobe) {
-                for channel in 0..3 {
-                    self.values[(first + channel) * self.rows + row] = color[channel];
-                }
+                self.write_column(column, first, mask, color.r);
+                self.write_column(column + 1, first, mask, color.g);
+                self.write_column(column + 2, first, mask, color.b);
             }
-        }
-        let numbers = [
-            (LobeSet::FUZZ, Column::FUZZ, lobes.fuzz),
-            (LobeSet::MICROFACET, Column::MICROFACET, lobes.microfacet),
-            (LobeSet::MICROFACET, Column::METALLIC, lobes.metallic),
-            (LobeSet::MICROFACET, Column::ROUGHNESS, lobes.roughness),
-            (LobeSet::COAT, Column::COAT, lobes.coat.share),
-            (LobeSet::COAT, Column::COAT_ROUGHNESS, lobes.coat.roughness),
-            (LobeSet::COAT, Column::HOLE, lobes.coat.hole),
-        ];
-        for (lobe, Column(column), number) in numbers {
+        };
+        color(LobeSet::EMISSION, Column::EMISSION, lobes.emission);
+        color(LobeSet::AMBIENT, Column::AMBIENT, lobes.ambient);
+        color(LobeSet::DIFFUSE, Column::DIFFUSE, lobes.diffuse);
+        color(highlight, Column::SPECULAR, lobes.specular);
+        color(LobeSet::MIRROR, Column::MIRROR, lobes.mirror);
+        color(LobeSet::TRANSPARENT, Column::TRANSPARENCY, lobes.transparency);
+        color(LobeSet::REFRACTION, Column::REFRACTION, lobes.refraction);
+        color(LobeSet::MICROFACET, Column::BASE, lobes.base);
+        let mut number = |lobe: LobeSet, Column(column): Column, number: S| {
             if wanted.has(lobe) {
-                self.values[column * self.rows + row] = number;
+                self.write_column(column, first, mask, number);
             }
-        }
+        };
+        number(LobeSet::FUZZ, Column::FUZZ, lobes.fuzz);
+        number(LobeSet::MICROFACET, Column::MICROFACET, lobes.microfacet);
+        number(LobeSet::MICROFACET, Column::METALLIC, lobes.metallic);
+        number(LobeSet::MICROFACET, Column::ROUGHNESS, lobes.roughness);
+        number(LobeSet::COAT, Column::COAT, lobes.coat.share);
+        number(LobeSet::COAT, Column::COAT_ROUGHNESS, lobes.coat.roughness);
+        number(LobeSet::COAT, Column::HOLE, lobes.coat.hole);
+    }
+
+    #[inline(always)]
+    fn write_column<S: Single>(&mut self, column: usize, first: usize, mask: S::Mask, value: S) {
+        let at = column * self.rows + first;
+        S::select(mask, value, S::load(&self.values, at)).store(&mut self.values, at);
     }
 
     #[inline(always)]

@@ -108,8 +108,16 @@ impl<F: Real> ShadingContext<F> {
             let needed = self.active & !self.is_final;
             let counts = &mut wave.counts.evaluations;
             let direction = self.path.ray.direction;
-            let rows = (&mut *wave.rows, counts);
-            textures::look_up(context, self.lobes, &self.surface, direction, (self.active, needed), rows);
+            let rows = &mut *wave.rows;
+            textures::look_up(
+                context,
+                self.lobes,
+                &self.surface,
+                direction,
+                [self.active, needed],
+                rows,
+                counts,
+            );
         }
         let rows = LobeRows::new::<F>(self.lobes, self.surface.material);
         let shininess = self.shininess(context);

@@ -3,26 +3,81 @@
 use super::context::TraceContext;
 use super::interaction::SurfaceInteraction;
 use super::materials::{LobeSet, LobeTable};
-use crate::appearance::texture::{Footprint, TextureEvalContext};
-use crate::base::lanes::{Mask, Real, Row, Vec3, lanes};
+use crate::appearance::material::{Material, PointLobes};
+use crate::appearance::texture::{Footprint, TextureEvalContext, TextureInputs};
+use crate::base::lanes::{Bits, Mask, Real, Row, Vec3, lanes, out_of_line};
 use crate::base::math::DVec3;
 use crate::base::stats::Evaluations;
-use crate::geometry::shape::{ShapeHit, Surface};
-use crate::scene::top_level::Hit;
+use crate::geometry::shape::{LaneSurface, Surface};
 
-/// Writes the lobes of points into the rows of their lanes, as far as they are in a set. Wanted lanes get all of them.
-/// Other active lanes get only emission and straight transmission.
+out_of_line! {
+    /// Writes the lobes of points into the rows of their lanes, as far as they are in a set. `masks` are the lanes that are
+    /// active, and those among them that get all lobes. The others get only emission and straight transmission.
+    pub fn look_up<'k, F>(
+        context: &'k TraceContext<'k>,
+        lobes: LobeSet,
+        surface: &'k SurfaceInteraction<F>,
+        direction: Vec3<F>,
+        masks: [F::Mask; 2],
+        rows: &'k mut LobeTable,
+        counts: &'k mut Evaluations,
+    ) -> () {
+        let [active, wanted] = masks;
+        let (mut textured, mut inputs) = (F::Mask::splat(false), TextureInputs::default());
+        let (materials, mut rest) = (surface.material.to_array(), active.bits());
+        while rest != 0 {
+            let index = materials[rest.trailing_zeros() as usize];
+            let same = surface.material.eq(F::U32::splat(index)) & active;
+            rest &= !same.bits();
+            let material = context.material(index);
+            let varied = textured_lanes::<F>(material, same, wanted);
+            if (same & !varied).any() {
+                rows.write::<F::F32>(0, same & !varied, &PointLobes::splat(&material.lobes), lobes);
+            }
+            if varied.any() {
+                (textured, inputs) = (textured | varied, inputs | context.texture_inputs(index));
+            }
+        }
+        if !textured.any() {
+            return;
+        }
+        counts.paint += u64::from(textured.bits().count_ones());
+        let at = texture_context(context, surface, direction, inputs, textured);
+        rest = textured.bits();
+        while rest != 0 {
+            let index = materials[rest.trailing_zeros() as usize];
+            let same = surface.material.eq(F::U32::splat(index)) & textured;
+            rest &= !same.bits();
+            rows.write::<F::F32>(0, same, &context.material(index).lobes_at(&at, same), lobes);
+        }
+    }
+}
+
+/// The lanes among those of a material in which textures matter: all, the wanted ones, or none.
 #[inline(always)]
-pub fn look_up<F: Real>(
-    context: &TraceContext,
-    lobes: LobeSet,
+fn textured_lanes<F: Real>(material: &Material, of_material: F::Mask, wanted: F::Mask) -> F::Mask {
+    match [material.is_textured(0), material.is_textured(1)] {
+        [true, _] => of_material,
+        [false, true] => of_material & wanted,
+        [false, false] => F::Mask::splat(false),
+    }
+}
+
+/// What textures read at points in the lanes of a mask.
+#[inline(always)]
+fn texture_context<'c, F: Real>(
+    context: &'c TraceContext,
     surface: &SurfaceInteraction<F>,
     direction: Vec3<F>,
-    (active, wanted): (F::Mask, F::Mask),
-    (rows, counts): (&mut LobeTable, &mut Evaluations),
-) {
-    let points = TexturePoints::new(surface, direction);
-    points.look_up((context, lobes), [active.bits(), wanted.bits()], (rows, counts));
+    inputs: TextureInputs,
+    wanted: F::Mask,
+) -> TextureEvalContext<'c, F> {
+    let seen = match inputs.footprint | inputs.footprint_uv {
+        true => Footprint::new(surface.width, direction, surface.surface.normal),
+        false => Footprint::zero(),
+    };
+    let at = (surface.primitive, surface.at.part);
+    context.scene.geometry.texture_context(at, &surface.surface, &seen, inputs, wanted)
 }
 
 /// Turns the shading normals of points in the lanes of a mask, as the relief of their materials says. A normal that then
@@ -35,33 +90,29 @@ pub fn turn_normals<F: Real>(
     direction: Vec3<F>,
     active: F::Mask,
 ) {
-    let [x, y, z] =
-        TexturePoints::new(surface, direction).turned(context, active.bits(), surface.outside.bits());
+    let [x, y, z] = Points::new(surface, direction).turned(context, active.bits(), surface.outside.bits());
     surface.surface.shading = Vec3::new(F::load(&x, 0), F::load(&y, 0), F::load(&z, 0));
 }
 
-/// Points in memory, lane by lane.
-struct TexturePoints {
+/// Points in memory, lane by lane: each has neighbours of its own.
+struct Points {
     surfaces: [Surface; 8],
     directions: [DVec3; 8],
-    t: [f64; 8],
     parts: [u32; 8],
     primitives: [u32; 8],
     materials: [u32; 8],
     widths: [f64; 8],
 }
 
-impl TexturePoints {
+impl Points {
     #[inline(always)]
     fn new<F: Real>(surface: &SurfaceInteraction<F>, direction: Vec3<F>) -> Self {
         let lane = |lane: usize| lane.min(F::LANES - 1);
-        let (t, parts) = (surface.at.t.to_array(), surface.at.part.to_array());
+        let (parts, widths) = (surface.at.part.to_array(), surface.width.to_array());
         let (primitives, materials) = (surface.primitive.to_array(), surface.material.to_array());
-        let widths = surface.width.to_array();
         Self {
             surfaces: surface.surface.store(),
             directions: direction.store(),
-            t: std::array::from_fn(|k| t[lane(k)]),
             parts: std::array::from_fn(|k| parts[lane(k)]),
             primitives: std::array::from_fn(|k| primitives[lane(k)]),
             materials: std::array::from_fn(|k| materials[lane(k)]),
@@ -70,16 +121,14 @@ impl TexturePoints {
     }
 
     /// What textures read at the point of a lane.
-    #[inline]
     fn texture_context<'c>(&self, context: &'c TraceContext, lane: usize) -> TextureEvalContext<'c> {
         let (surface, inputs) = (&self.surfaces[lane], context.texture_inputs(self.materials[lane]));
         let seen = match inputs.footprint | inputs.footprint_uv {
-            true => Footprint::new(self.widths[lane], self.directions[lane], surface.normal),
-            false => Footprint::default(),
+            true => Footprint::new(self.widths[lane], self.directions[lane].into(), surface.normal.into()),
+            false => Footprint::zero(),
         };
-        let at = ShapeHit::of_part(self.t[lane], self.parts[lane]);
-        let hit = Hit { at, primitive: self.primitives[lane] };
-        context.scene.geometry.texture_context(&hit, surface, &seen, inputs)
+        let at = (self.primitives[lane], self.parts[lane]);
+        context.scene.geometry.texture_context(at, &LaneSurface::from(surface), &seen, inputs, true)
     }
 
     /// The coordinates of the shading normals.
@@ -104,23 +153,5 @@ impl TexturePoints {
             normals[lane] = if away > 0.0 { turned - self.directions[lane] * (2.0 * away) } else { turned };
         }
         [normals.map(|normal| normal.x), normals.map(|normal| normal.y), normals.map(|normal| normal.z)]
-    }
-
-    #[inline(never)]
-    fn look_up(
-        &self,
-        (context, lobes): (&TraceContext, LobeSet),
-        [active, wanted]: [u32; 2],
-        (rows, counts): (&mut LobeTable, &mut Evaluations),
-    ) {
-        for lane in lanes(active) {
-            let material = context.material(self.materials[lane]);
-            if !material.is_textured(wanted >> lane & 1) {
-                rows.set(lane, &material.lobes, lobes);
-                continue;
-            }
-            counts.paint += 1;
-            rows.set(lane, &material.lobes_at(&self.texture_context(context, lane)), lobes);
-        }
     }
 }

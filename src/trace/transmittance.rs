@@ -224,9 +224,9 @@ impl<L: Level> TraceTransmittance<'_, '_, L> {
         surface.event = L::U32::load(&next.event, 0);
         let direction = ray.direction.normalize();
         if lobes.has(LobeSet::TEXTURED) {
-            let room = (&mut *self.rows, &mut self.counts.evaluations);
+            let counts = &mut self.counts.evaluations;
             let wanted = LobeSet::PASSES | LobeSet::COAT;
-            textures::look_up(context, wanted, &surface, direction, (open, none), room);
+            textures::look_up(context, wanted, &surface, direction, [open, none], self.rows, counts);
         }
         let rows = LobeRows::new::<L::F64>(lobes, material);
         let table = if lobes.has(LobeSet::TEXTURED) { &*self.rows } else { &context.table };

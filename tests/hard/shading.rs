@@ -6,8 +6,7 @@ use crate::support::{Random, direction, hit, placed, radiance_at_target};
 use kinora::appearance::material::MaterialBinding;
 use kinora::appearance::texture::{Footprint, Pattern, TextureInputs};
 use kinora::base::math::{Angle, DAffine3, DVec3, Ray};
-use kinora::geometry::shape::{OneRay, Plane, Rectangle, Shape};
-use kinora::scene::top_level::Hit;
+use kinora::geometry::shape::{LaneSurface, OneRay, Plane, Rectangle, Shape};
 use kinora::scene::{Finish, Geometry};
 
 /// Corners of Phong's table, through the renderer: highlights only where N·L > 0 and R·V > 0. A power alone gives no
@@ -64,6 +63,7 @@ fn sh_17_planes_between_layers_show_one_of_them() {
             let mut geometry = Geometry::default();
             geometry.push(shape, to_world, Finish::Material(MaterialBinding::One(0)));
             let mut speckles = 0;
+            let inputs = TextureInputs { footprint: true, ..TextureInputs::default() };
             for _ in 0..2000 {
                 let p = random.point(25.0).with_y(height);
                 let eye = p + DVec3::new(random.unit() - 0.5, 0.5 + random.unit(), random.unit() - 0.5) * 9.0;
@@ -71,9 +71,9 @@ fn sh_17_planes_between_layers_show_one_of_them() {
                 let ray = Ray { origin: eye, direction: (p_world - eye).normalize() };
                 let at = hit(&geometry.primitives[0], ray.origin, ray.direction).expect("a hit");
                 let surface = geometry.primitives[0].surface_at(&ray, at);
-                let (hit, seen) = (Hit { at, primitive: 0 }, Footprint::default());
-                let context = geometry.texture_context(&hit, &surface, &seen, TextureInputs::default());
-                let share = Pattern::Checker.share(context.point, context.error, DVec3::ZERO);
+                let (surface, seen) = (LaneSurface::from(&surface), Footprint::zero());
+                let context = geometry.texture_context::<f64>((0, at.part), &surface, &seen, inputs, true);
+                let share = Pattern::Checker.share(context.point.into(), context.error.into(), DVec3::ZERO);
                 let clear = |x: f64| (x - x.round()).abs() > 1e-4;
                 let cells = p.x.floor() + p.z.floor() + height;
                 let wrong = share != f64::from(u8::from(cells.rem_euclid(2.0) == 1.0));

@@ -5,7 +5,7 @@ use super::equirect;
 use crate::appearance::texture::{AxisWrap, Image, SharedAsset, TextureFilter, Wrap};
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
-use crate::base::lanes::{Color, Real, Vec3, out_of_line};
+use crate::base::lanes::{Color, Mask, Real, Vec3, out_of_line};
 use crate::base::math::{DVec2, DVec3};
 
 /// Radiance from every direction.
@@ -62,7 +62,9 @@ out_of_line! {
 
 out_of_line! {
     fn image_radiance<'k, F>(image: &'k Image, direction: Vec3<F>) -> Color<F::F32> {
-        image.interpolated(equirect::uv(direction), axes())
+        let [across, up] = axes();
+        let axes = [across.splat(), up.splat()];
+        image.color_at(equirect::uv(direction), axes, TextureFilter::Bilinear, F::Mask::splat(true))
     }
 }
 

@@ -98,46 +98,6 @@ impl TextureSlot {
 
 #[warn(missing_docs)]
 impl Lobes {
-    /// Multiplies a slot by a colour. Scalar slots use the mean of the colour's channels.
-    pub fn tint(&mut self, slot: TextureSlot, color: Rgb) {
-        let grey = color.element_sum() / 3.0;
-        match slot {
-            TextureSlot::Emission => self.emission *= color,
-            TextureSlot::Ambient => self.ambient *= color,
-            TextureSlot::Diffuse => self.diffuse *= color,
-            TextureSlot::Specular => self.specular *= color,
-            TextureSlot::Mirror => self.mirror *= color,
-            TextureSlot::Fuzz => self.fuzz = (self.fuzz * grey).min(1.0),
-            TextureSlot::Transparency => self.transparency *= color,
-            TextureSlot::Refraction => self.refraction *= color,
-            TextureSlot::Base => self.base *= color,
-            TextureSlot::Metallic => self.metallic = (self.metallic * grey).min(1.0),
-            TextureSlot::Roughness => self.roughness = (self.roughness * grey).min(1.0),
-            TextureSlot::Coat => self.coat.share = (self.coat.share * grey).min(1.0),
-            TextureSlot::CoatRoughness => self.coat.roughness = (self.coat.roughness * grey).min(1.0),
-            // Coverage scales all lobes: see [`Lobes::with_coverage`].
-            TextureSlot::Coverage => {}
-            // Relief turns normals.
-            TextureSlot::Height | TextureSlot::Normal => {}
-        }
-    }
-
-    /// The lobes of a surface that covers only this fraction. The rest lets light pass straight on.
-    pub fn with_coverage(self, share: f32) -> Self {
-        Self {
-            emission: self.emission * share,
-            ambient: self.ambient * share,
-            diffuse: self.diffuse * share,
-            specular: self.specular * share,
-            mirror: self.mirror * share,
-            transparency: self.transparency * share + (1.0 - share),
-            refraction: self.refraction * share,
-            microfacet: self.microfacet * share,
-            coat: Coat { hole: 1.0 - share * (1.0 - self.coat.hole), ..self.coat },
-            ..self
-        }
-    }
-
     /// Whether the mirror scatters visibly.
     pub fn is_fuzzy(&self) -> bool {
         self.fuzz >= MIN_FUZZ

@@ -2,10 +2,12 @@
 
 mod exponent;
 mod lobes;
+mod point_lobes;
 mod tracks;
 
 pub use exponent::{Exponent, Highlight};
 pub use lobes::{Coat, Lobes, MIN_FUZZ, TextureSlot};
+pub use point_lobes::PointLobes;
 pub use tracks::{LobeTracks, MaterialTracks, ReliefTracks, ScalarTextureTracks};
 
 use crate::appearance::optics::Fresnel;
@@ -13,6 +15,7 @@ use crate::appearance::texture::relief::{self, ReliefStrength};
 use crate::appearance::texture::{Texel, Texture, TextureEvalContext, TextureInputs};
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
+use crate::base::lanes::{Mask, Real, Row, Single};
 use crate::base::math::DVec3;
 use crate::film::LayerId;
 use bevy_ecs::component::Component;
@@ -119,15 +122,20 @@ impl Default for Material {
 
 #[warn(missing_docs)]
 impl Material {
-    /// The lobes at a point of the surface.
-    pub fn lobes_at(&self, context: &TextureEvalContext<'_>) -> Lobes {
-        let mut lobes = self.lobes;
-        let mut coverage = 1.0;
+    /// The lobes at points of the surface in the lanes `wanted`. The other lanes are arbitrary.
+    #[inline(always)]
+    pub fn lobes_at<F: Real>(
+        &self,
+        context: &TextureEvalContext<'_, F>,
+        wanted: F::Mask,
+    ) -> PointLobes<F::F32> {
+        let (mut lobes, one) = (PointLobes::splat(&self.lobes), F::F32::splat(1.0));
+        let mut coverage = one;
         for (slots, texture) in &self.textures {
             if slots.iter().all(|slot| slot.is_relief()) {
                 continue;
             }
-            let Texel { color, alpha } = texture.at(context);
+            let Texel { color, alpha } = texture.at(context, wanted);
             // Alpha of the base colour removes the surface there. Alpha of another texture removes only its lobe.
             let color = match slots.contains(&TextureSlot::Coverage) {
                 true => {
@@ -136,9 +144,11 @@ impl Material {
                 }
                 false => color * alpha,
             };
-            slots.iter().for_each(|slot| lobes.tint(*slot, color));
+            for slot in slots {
+                lobes.tint(*slot, color);
+            }
         }
-        if coverage == 1.0 { lobes } else { lobes.with_coverage(coverage) }
+        if (wanted & coverage.lt(one)).any() { lobes.with_coverage(coverage) } else { lobes }
     }
 
     /// Whether textures turn its normals.

@@ -4,6 +4,7 @@ use super::color_map::ColorMap;
 use super::{SharedAsset, TextureEvalContext};
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
+use crate::base::lanes::{Color, Mask, Real, Row, lanes};
 use crate::geometry::mesh::ArrayKey;
 
 /// Numbers as colours.
@@ -64,12 +65,19 @@ impl DataScale {
 }
 
 impl DataTexture {
-    pub fn at(&self, context: &TextureEvalContext<'_>) -> Rgb {
-        let value = match &self.source {
-            DataSource::Coordinate(axis) => Some(context.point[*axis as usize]),
-            DataSource::Array(key) => context.array(key),
-        };
-        self.color(value.unwrap_or(f64::NAN))
+    /// The colours at points in the lanes `wanted`; black in the others.
+    pub fn at<F: Real>(&self, context: &TextureEvalContext<'_, F>, wanted: F::Mask) -> Color<F::F32> {
+        let (points, parts) = (context.point.store(), context.part.to_array());
+        let black = F::F32::splat(0.0).to_array();
+        let (mut r, mut g, mut b) = (black, black, black);
+        for lane in lanes(wanted.bits()) {
+            let value = match &self.source {
+                DataSource::Coordinate(axis) => Some(points[lane][*axis as usize]),
+                DataSource::Array(key) => context.objects[lane].array(key, points[lane], parts[lane]),
+            };
+            (r[lane], g[lane], b[lane]) = self.color(value.unwrap_or(f64::NAN)).into();
+        }
+        Color { r: Row::from_array(r), g: Row::from_array(g), b: Row::from_array(b) }
     }
 
     /// The colour of a number.

@@ -1,36 +1,45 @@
 //! Textures at one moment, and their evaluation at points of surfaces.
 
+use super::texel::Lerp;
 use super::{
-    DataTexture, Footprint, Image, Pattern, SharedAsset, SurfaceWrap, Texel, TextureFilter, TextureMapping,
-    TextureSpace, Wrap,
+    AxisWrap, DataTexture, Footprint, Image, Pattern, SharedAsset, SurfaceWrap, Texel, TextureFilter,
+    TextureMapping, TextureSpace, Wrap,
 };
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
-use crate::base::math::{DVec2, DVec3};
+use crate::base::lanes::{Color, Mask, Real, Row, Select, Single, Vec3, lanes, out_of_line};
+use crate::base::math::DVec3;
 use crate::geometry::mesh::ArrayKey;
 use crate::geometry::shape::Shape;
 use crate::geometry::table_rows::TableRow;
 use std::ops::BitOr;
 
-/// A point of a surface, with all that textures read there. Parts that no texture of the surface reads may be 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TextureEvalContext<'a> {
+/// Points of surfaces in lanes, with all that textures read there. Parts that no texture of the surface reads may be 0.
+#[derive(Clone, Copy)]
+pub struct TextureEvalContext<'a, F: Real = f64> {
     /// The u and v of the surface.
-    pub uv: DVec2,
+    pub uv: [F; 2],
     /// Whether the surface ends at 0 and 1 of u, and of v.
-    pub ends: [bool; 2],
+    pub ends: [F::Mask; 2],
     /// The point in the object's space, before the object is moved.
-    pub point: DVec3,
+    pub point: Vec3<F>,
     /// Error bound of each coordinate of `point`.
-    pub error: DVec3,
+    pub error: Vec3<F>,
     /// The interpolated vertex colour; white if the vertices have none.
-    pub color: Rgb,
+    pub color: Color<F::F32>,
     /// The footprint of the pixel, in the object's space, and in u and v for uv-mapped patterns.
-    pub footprint: Footprint,
-    pub footprint_uv: Footprint,
-    /// The shape, and the part of it that was hit.
+    pub footprint: Footprint<F>,
+    pub footprint_uv: Footprint<F>,
+    /// The part of the shape that was hit.
+    pub part: F::U32,
+    /// The object of each lane.
+    pub objects: [TexturedObject<'a>; 8],
+}
+
+/// What of an object textures read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TexturedObject<'a> {
     pub shape: Option<&'a Shape>,
-    pub part: u32,
     /// The numbers of a table that the object has besides those of its shape.
     pub row: Option<&'a TableRow>,
 }
@@ -58,10 +67,28 @@ impl BitOr for TextureInputs {
     }
 }
 
-impl TextureEvalContext<'_> {
-    /// A number of the data of a mesh, of particles or of an instance.
-    pub fn array(&self, key: &ArrayKey) -> Option<f64> {
-        let of_shape = self.shape.and_then(|shape| shape.number(key, self.point, self.part));
+impl<F: Real> TextureEvalContext<'_, F> {
+    /// Points at the origins of no objects.
+    #[inline(always)]
+    pub fn nowhere() -> Self {
+        Self {
+            uv: [F::splat(0.0); 2],
+            ends: [F::Mask::splat(false); 2],
+            point: Vec3::zero(),
+            error: Vec3::zero(),
+            color: Color::splat(Rgb::ONE),
+            footprint: Footprint::zero(),
+            footprint_uv: Footprint::zero(),
+            part: F::U32::splat(0),
+            objects: [TexturedObject::default(); 8],
+        }
+    }
+}
+
+impl TexturedObject<'_> {
+    /// A number of the data of a mesh, of particles or of an instance at a point of a part.
+    pub fn array(&self, key: &ArrayKey, point: DVec3, part: u32) -> Option<f64> {
+        let of_shape = self.shape.and_then(|shape| shape.number(key, point, part));
         of_shape.or_else(|| self.row?.number(key))
     }
 }
@@ -140,23 +167,11 @@ impl From<Rgb> for Texture {
 }
 
 impl Texture {
-    /// Evaluates the texture at a point: a linear colour without negative channels, and alpha.
-    pub fn at(&self, context: &TextureEvalContext<'_>) -> Texel {
-        match self {
-            Self::Color(color) => Texel::opaque(*color),
-            Self::VertexColor => Texel::opaque(context.color),
-            Self::Data(texture) => Texel::opaque(texture.at(context)),
-            Self::Image(texture) => texture.at(context),
-            Self::Pattern(texture) => texture.at(context),
-            Self::Product(texture) => {
-                let (first, second) = (texture.first.at(context), texture.second.at(context));
-                Texel { color: first.color * second.color, alpha: first.alpha * second.alpha }
-            }
-            Self::Cutout(texture) => {
-                let Texel { color, alpha } = texture.texture.at(context);
-                Texel { color, alpha: if alpha >= texture.cutoff { 1.0 } else { 0.0 } }
-            }
-        }
+    /// Evaluates the texture at points in the lanes `wanted`: linear colours without negative channels, and alpha. The
+    /// other lanes are arbitrary.
+    #[inline(always)]
+    pub fn at<F: Real>(&self, context: &TextureEvalContext<'_, F>, wanted: F::Mask) -> Texel<F::F32> {
+        texel_at(self, context, wanted)
     }
 
     /// Whether any part may have alpha below 1.
@@ -241,48 +256,100 @@ impl Texture {
     }
 }
 
+out_of_line! {
+    fn texel_at<'k, F>(
+        texture: &'k Texture,
+        context: &'k TextureEvalContext<'k, F>,
+        wanted: F::Mask,
+    ) -> Texel<F::F32> {
+        match texture {
+            Texture::Color(color) => Texel::opaque(Color::splat(*color)),
+            Texture::VertexColor => Texel::opaque(context.color),
+            Texture::Data(texture) => Texel::opaque(texture.at(context, wanted)),
+            Texture::Image(texture) => texture.at(context, wanted),
+            Texture::Pattern(texture) => texture.at(context, wanted),
+            Texture::Product(texture) => {
+                let (first, second) = (texture.first.at(context, wanted), texture.second.at(context, wanted));
+                Texel { color: first.color * second.color, alpha: first.alpha * second.alpha }
+            }
+            Texture::Cutout(texture) => {
+                let Texel { color, alpha } = texture.texture.at(context, wanted);
+                let [zero, one] = [0.0, 1.0].map(F::F32::splat);
+                Texel { color, alpha: F::F32::select(F::F32::splat(texture.cutoff).le(alpha), one, zero) }
+            }
+        }
+    }
+}
+
 impl ImageTexture {
-    pub fn at(&self, context: &TextureEvalContext<'_>) -> Texel {
-        let (at, _) = self.mapping.local(context.uv.extend(0.0), DVec3::ZERO);
+    #[inline(always)]
+    fn at<F: Real>(&self, context: &TextureEvalContext<'_, F>, wanted: F::Mask) -> Texel<F::F32> {
+        let (zero, [u, v]) = (F::splat(0.0), context.uv);
+        let (at, _) = self.mapping.local(Vec3::new(u, v, zero), Vec3::zero());
         let axes = match self.wrap {
-            Some(wrap) => [wrap.into(); 2],
-            None => self.surface_wrap.map(|surface_wrap| surface_wrap.resolve(context.ends)),
+            Some(wrap) => [AxisWrap::from(wrap).splat(); 2],
+            None => {
+                let [across, up] = &self.surface_wrap;
+                [across.resolve(context.ends), up.resolve(context.ends)]
+            }
         };
         let Texel { color, alpha } = match self.alpha {
-            true => self.image.sample_alpha(at.truncate(), axes, self.filter),
-            false => Texel::opaque(self.image.sample(at.truncate(), axes, self.filter)),
+            true => self.image.texel_at([at.x, at.y], axes, self.filter, wanted),
+            false => Texel::opaque(self.image.color_at([at.x, at.y], axes, self.filter, wanted)),
         };
         Texel { color: self.tinted(color), alpha }
     }
 
-    fn tinted(&self, color: Rgb) -> Rgb {
-        self.channel.map_or(color, |channel| Rgb::splat(color[channel as usize])) * self.tint
+    #[inline(always)]
+    fn tinted<S: Single>(&self, color: Color<S>) -> Color<S> {
+        let color = match self.channel {
+            Some(ColorChannel::R) => Color::grey(color.r),
+            Some(ColorChannel::G) => Color::grey(color.g),
+            Some(ColorChannel::B) => Color::grey(color.b),
+            None => color,
+        };
+        color * Color::splat(self.tint)
     }
 
     /// The colour of an opaque image that is the same everywhere.
     pub fn constant(&self) -> Option<Rgb> {
         let there = !self.alpha || !self.image.has_alpha();
         let black = (there && self.tint == Rgb::ZERO).then_some(Rgb::ZERO);
-        self.image.constant().map(|color| self.tinted(color)).or(black)
+        self.image.constant().map(|color| self.tinted::<f32>(color.into()).into()).or(black)
     }
 }
 
 impl PatternTexture {
-    pub fn at(&self, context: &TextureEvalContext<'_>) -> Texel {
+    #[inline(always)]
+    fn at<F: Real>(&self, context: &TextureEvalContext<'_, F>, wanted: F::Mask) -> Texel<F::F32> {
+        let (zero, one, [u, v]) = (F::splat(0.0), F::splat(1.0), context.uv);
         let (point, error, seen) = match self.space {
             TextureSpace::Object => (context.point, context.error, &context.footprint),
-            TextureSpace::Uv => (
-                context.uv.extend(0.0),
-                ((context.uv.abs() + 1.0) * UV_ERROR).extend(0.0),
-                &context.footprint_uv,
-            ),
+            TextureSpace::Uv => {
+                let [of_u, of_v] =
+                    [(u.abs() + one) * F::splat(UV_ERROR), (v.abs() + one) * F::splat(UV_ERROR)];
+                (Vec3::new(u, v, zero), Vec3::new(of_u, of_v, zero), &context.footprint_uv)
+            }
         };
         let (point, error) = self.mapping.local(point, error);
         let seen = self.mapping.footprint(seen).extent();
-        match self.pattern.share(point, error, seen) as f32 {
-            0.0 => self.first.at(context),
-            1.0 => self.second.at(context),
-            share => self.first.at(context).lerp(self.second.at(context), share),
+        let (points, errors, seen) = (point.store(), error.store(), seen.store());
+        let mut shares = F::F32::splat(0.0).to_array();
+        for lane in lanes(wanted.bits()) {
+            shares[lane] = self.pattern.share(points[lane], errors[lane], seen[lane]) as f32;
         }
+        let share = F::F32::from_array(shares);
+        let (zero, one) = (F::F32::splat(0.0), F::F32::splat(1.0));
+        // Shares are in 0..=1. What has none is not evaluated.
+        let (some_first, some_second) = (wanted & !one.le(share), wanted & !share.le(zero));
+        if !some_second.any() {
+            return self.first.at(context, wanted);
+        }
+        if !some_first.any() {
+            return self.second.at(context, wanted);
+        }
+        let (first, second) = (self.first.at(context, some_first), self.second.at(context, some_second));
+        let both = Texel::select(one.le(share), second, first.lerp(second, share));
+        Texel::select(share.le(zero), first, both)
     }
 }

@@ -1,9 +1,10 @@
 //! Images: texels in linear light, and filtering between them.
 
-use super::wrap::AxisWrap;
+use super::texel::{Lerp, Texel};
+use super::wrap::{AxisWrap, LaneWrap};
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
-use crate::base::lanes::{Color, Mask, Real, Row, lanes};
+use crate::base::lanes::{Color, Mask, Real, Row, Single, lanes};
 use crate::base::math::DVec2;
 
 /// An image in linear light, at least one texel wide and high.
@@ -17,33 +18,6 @@ pub struct Image {
     alpha: Option<Vec<f32>>,
     /// Whether all texels are equal.
     is_uniform: bool,
-}
-
-/// The value of an image at a point: a colour with alpha, which is not premultiplied.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Texel {
-    pub color: Rgb,
-    /// In 0..=1.
-    pub alpha: f32,
-}
-
-impl Texel {
-    pub fn opaque(color: Rgb) -> Self {
-        Self { color, alpha: 1.0 }
-    }
-
-    /// Interpolates two texels. `share` is the part of the other one. Colours are weighted by their alpha (Porter and
-    /// Duff, *Compositing Digital Images*, 1984).
-    pub fn lerp(self, other: Self, share: f32) -> Self {
-        if self.alpha == 1.0 && other.alpha == 1.0 {
-            return Self::opaque(self.color.lerp(other.color, share));
-        }
-        let alpha = self.alpha * (1.0 - share) + other.alpha * share;
-        let there = (self.color * self.alpha).lerp(other.color * other.alpha, share);
-        // If alpha is 0, the colour is arbitrary.
-        let color = if alpha > 0.0 { there / alpha } else { self.color.lerp(other.color, share) };
-        Self { color, alpha }
-    }
 }
 
 /// Reconstruction between the centres of texels.
@@ -111,38 +85,88 @@ impl Image {
 
     /// The colour at `uv`, ignoring alpha. u runs to the right and v upwards, both from 0 to 1 over the whole image. So
     /// the centre of the texel in column i is at u = (i + 0.5) / width. The colour is black if `uv` is not finite.
-    #[inline(always)]
     pub fn sample(&self, uv: DVec2, axes: [AxisWrap; 2], filter: TextureFilter) -> Rgb {
-        self.filtered(uv, axes, filter, |index| self.texels[index], Rgb::lerp).unwrap_or(Rgb::ZERO)
+        self.color_at::<f64>(uv.into(), axes.map(AxisWrap::splat), filter, true).into()
     }
 
-    /// [`Image::sample`] of every lane, with bilinear interpolation.
-    #[inline(always)]
-    pub fn interpolated<F: Real>(&self, [u, v]: [F; 2], [across, up]: [AxisWrap; 2]) -> Color<F::F32> {
-        let infinite = F::splat(f64::INFINITY);
-        let is_finite = u.abs().lt(infinite) & v.abs().lt(infinite);
-        let (zero, last) = (F::splat(0.0), F::splat(f64::from(self.height) - 1.0));
-        let x = across.texels_around(F::select(is_finite, u, zero), self.width);
-        let y = up.texels_around(F::select(is_finite, v, zero), self.height);
-        let [left, right] = [x.low, x.high].map(|x| x.to_u32().to_array());
-        // Rows are counted from the top.
-        let [low, high] = [y.low, y.high].map(|y| (last - y).to_u32().to_array());
-        // All texels are read before any is used: those of large images are waited for together.
-        let wanted = is_finite.bits();
-        let low = [self.gather::<F>(left, low, wanted), self.gather::<F>(right, low, wanted)];
-        let high = [self.gather::<F>(left, high, wanted), self.gather::<F>(right, high, wanted)];
-        let [low, high] = [low[0].lerp(low[1], x.fraction), high[0].lerp(high[1], x.fraction)];
-        low.lerp(high, y.fraction)
+    /// [`Image::sample`] with alpha.
+    pub fn sample_alpha(&self, uv: DVec2, axes: [AxisWrap; 2], filter: TextureFilter) -> Texel {
+        self.texel_at::<f64>(uv.into(), axes.map(AxisWrap::splat), filter, true)
     }
 
-    /// The texels in these columns and rows, the latter from the top, in the lanes `wanted`; black in the others.
+    /// [`Image::sample`] in the lanes `wanted`. The others are arbitrary.
     #[inline(always)]
-    fn gather<F: Real>(
+    pub fn color_at<F: Real>(
         &self,
-        columns: <F::U32 as Row>::Array,
-        rows: <F::U32 as Row>::Array,
-        wanted: u32,
+        uv: [F; 2],
+        axes: [LaneWrap<F>; 2],
+        filter: TextureFilter,
+        wanted: F::Mask,
     ) -> Color<F::F32> {
+        let (uv, wanted) = finite(uv, wanted);
+        match filter {
+            TextureFilter::Nearest => self.colors::<F>(self.nearest(uv, axes), wanted),
+            TextureFilter::Bilinear => {
+                let Corners { low, high, fractions } = self.corners(uv, axes);
+                // All texels are read before any is used: those of large images are waited for together.
+                let low = [self.colors::<F>(low[0], wanted), self.colors::<F>(low[1], wanted)];
+                let high = [self.colors::<F>(high[0], wanted), self.colors::<F>(high[1], wanted)];
+                interpolate(low, high, fractions)
+            }
+        }
+    }
+
+    /// [`Image::sample_alpha`] in the lanes `wanted`. The others are arbitrary.
+    #[inline(always)]
+    pub fn texel_at<F: Real>(
+        &self,
+        uv: [F; 2],
+        axes: [LaneWrap<F>; 2],
+        filter: TextureFilter,
+        wanted: F::Mask,
+    ) -> Texel<F::F32> {
+        let Some(alpha) = &self.alpha else { return Texel::opaque(self.color_at(uv, axes, filter, wanted)) };
+        let (uv, wanted) = finite(uv, wanted);
+        match filter {
+            TextureFilter::Nearest => self.texels::<F>(alpha, self.nearest(uv, axes), wanted),
+            TextureFilter::Bilinear => {
+                let Corners { low, high, fractions } = self.corners(uv, axes);
+                let low = [self.texels::<F>(alpha, low[0], wanted), self.texels::<F>(alpha, low[1], wanted)];
+                let high =
+                    [self.texels::<F>(alpha, high[0], wanted), self.texels::<F>(alpha, high[1], wanted)];
+                interpolate(low, high, fractions)
+            }
+        }
+    }
+
+    /// The indices of the texels nearest to finite points.
+    #[inline(always)]
+    fn nearest<F: Real>(&self, [u, v]: [F; 2], [across, up]: [LaneWrap<F>; 2]) -> Indices<F> {
+        self.indices(across.nearest(u, self.width), up.nearest(v, self.height))
+    }
+
+    /// The texels around finite points.
+    #[inline(always)]
+    fn corners<F: Real>(&self, [u, v]: [F; 2], [across, up]: [LaneWrap<F>; 2]) -> Corners<F> {
+        let (x, y) = (across.texels_around(u, self.width), up.texels_around(v, self.height));
+        Corners {
+            low: [self.indices(x.low, y.low), self.indices(x.high, y.low)],
+            high: [self.indices(x.low, y.high), self.indices(x.high, y.high)],
+            fractions: [x.fraction, y.fraction],
+        }
+    }
+
+    /// The indices of texels in columns and rows, the latter from the bottom.
+    #[inline(always)]
+    fn indices<F: Real>(&self, column: F, row: F) -> Indices<F> {
+        // Rows are counted from the top in memory.
+        let row = F::splat(f64::from(self.height) - 1.0) - row;
+        [column.to_u32().to_array(), row.to_u32().to_array()]
+    }
+
+    /// The colours of texels in the lanes `wanted`; black in the others.
+    #[inline(always)]
+    fn colors<F: Real>(&self, [columns, rows]: Indices<F>, wanted: u32) -> Color<F::F32> {
         let black = F::F32::splat(0.0).to_array();
         let (mut r, mut g, mut b) = (black, black, black);
         for lane in lanes(wanted) {
@@ -151,40 +175,41 @@ impl Image {
         Color { r: F::F32::from_array(r), g: F::F32::from_array(g), b: F::F32::from_array(b) }
     }
 
-    /// [`Image::sample`] with alpha.
-    pub fn sample_alpha(&self, uv: DVec2, axes: [AxisWrap; 2], filter: TextureFilter) -> Texel {
-        let Some(alpha) = &self.alpha else { return Texel::opaque(self.sample(uv, axes, filter)) };
-        let texel = |index: usize| Texel { color: self.texels[index], alpha: alpha[index] };
-        self.filtered(uv, axes, filter, texel, Texel::lerp).unwrap_or(Texel::opaque(Rgb::ZERO))
-    }
-
-    /// Filters the values of `texel` at `uv`. `None` if `uv` is not finite.
+    /// Texels in the lanes `wanted`; opaque black in the others.
     #[inline(always)]
-    fn filtered<T>(
-        &self,
-        uv: DVec2,
-        [across, up]: [AxisWrap; 2],
-        filter: TextureFilter,
-        texel: impl Fn(usize) -> T,
-        lerp: impl Fn(T, T, f32) -> T,
-    ) -> Option<T> {
-        if !uv.is_finite() {
-            return None;
+    fn texels<F: Real>(&self, alpha: &[f32], at: Indices<F>, wanted: u32) -> Texel<F::F32> {
+        let ([columns, rows], mut alphas) = (at, F::F32::splat(1.0).to_array());
+        for lane in lanes(wanted) {
+            alphas[lane] = alpha[self.index(columns[lane], rows[lane])];
         }
-        let texel = |x: u32, from_bottom: u32| texel(self.index(x, self.height - 1 - from_bottom));
-        Some(match filter {
-            TextureFilter::Nearest => {
-                texel(across.nearest(uv.x, self.width) as u32, up.nearest(uv.y, self.height) as u32)
-            }
-            TextureFilter::Bilinear => {
-                let (x, y) = (across.texels_around(uv.x, self.width), up.texels_around(uv.y, self.height));
-                let texel = |x: f64, y: f64| texel(x as u32, y as u32);
-                let low = lerp(texel(x.low, y.low), texel(x.high, y.low), x.fraction);
-                let high = lerp(texel(x.low, y.high), texel(x.high, y.high), x.fraction);
-                lerp(low, high, y.fraction)
-            }
-        })
+        Texel { color: self.colors::<F>(at, wanted), alpha: F::F32::from_array(alphas) }
     }
+}
+
+/// The columns of texels in all lanes, and their rows from the top.
+type Indices<F> = [<<F as Real>::U32 as Row>::Array; 2];
+
+/// The texels around points, from the left: of the lower row, and of the higher one.
+struct Corners<F: Real> {
+    low: [Indices<F>; 2],
+    high: [Indices<F>; 2],
+    /// Of the way from the left to the right, and from the lower row to the higher one.
+    fractions: [F::F32; 2],
+}
+
+/// The values between four corners.
+#[inline(always)]
+fn interpolate<S: Single, T: Lerp<S>>(low: [T; 2], high: [T; 2], [across, up]: [S; 2]) -> T {
+    let [low, high] = [low[0].lerp(low[1], across), high[0].lerp(high[1], across)];
+    low.lerp(high, up)
+}
+
+/// The coordinates, or 0 in lanes in which one is not finite, and the bits of the other lanes of a mask.
+#[inline(always)]
+fn finite<F: Real>([u, v]: [F; 2], wanted: F::Mask) -> ([F; 2], u32) {
+    let (zero, infinity) = (F::splat(0.0), F::splat(f64::INFINITY));
+    let is_finite = u.abs().lt(infinity) & v.abs().lt(infinity);
+    ([F::select(is_finite, u, zero), F::select(is_finite, v, zero)], (is_finite & wanted).bits())
 }
 
 #[cfg(test)]
@@ -310,11 +335,12 @@ mod tests {
         assert!(image.has_alpha() && image.constant().is_none());
         let at =
             |u: f64| image.sample_alpha(DVec2::new(u, 0.5), [Wrap::Clamp.into(); 2], TextureFilter::Bilinear);
-        assert_eq!(at(0.25), Texel { color: Rgb::X, alpha: 0.5 });
-        assert_eq!(at(0.375), Texel { color: Rgb::Y, alpha: 0.0 });
-        assert_eq!(at(0.5), Texel { color: Rgb::Z, alpha: 0.25 });
+        assert_eq!(at(0.25), Texel { color: Rgb::X.into(), alpha: 0.5 });
+        assert_eq!(at(0.375), Texel { color: Rgb::Y.into(), alpha: 0.0 });
+        assert_eq!(at(0.5), Texel { color: Rgb::Z.into(), alpha: 0.25 });
         let Texel { color, alpha } = at(0.75);
         assert_eq!(alpha, 0.75);
+        let color = Rgb::from(color);
         assert!((color - Rgb::new(2.0, 2.0, 3.0) / 3.0).abs().max_element() < 1e-6, "{color}");
         assert_eq!(
             image.sample(DVec2::new(0.375, 0.5), [Wrap::Clamp.into(); 2], TextureFilter::Nearest),

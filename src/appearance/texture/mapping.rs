@@ -1,7 +1,8 @@
 //! Mappings from surfaces to patterns and images: scaled, then rotated, then moved, like an object.
 
-use super::{AxisWrap, Footprint, Wrap};
+use super::{AxisWrap, Footprint, LaneWrap, Wrap};
 use crate::base::digest::Content;
+use crate::base::lanes::{Mask, Real, Vec3, transform_vector};
 use crate::base::math::{DMat3, DQuat, DVec3, gamma};
 use crate::base::time::Time;
 use crate::geometry::transform::Rotation;
@@ -70,9 +71,10 @@ impl SurfaceWrap {
     }
 
     /// The wrap on a surface. `ends` says whether the surface ends at 0 and 1 of u, and of v.
-    pub fn resolve(&self, ends: [bool; 2]) -> AxisWrap {
-        let goes_on = |of: usize| self.leads[of] && !ends[of];
-        if goes_on(0) || goes_on(1) { Wrap::Repeat.into() } else { self.closed }
+    #[inline(always)]
+    pub fn resolve<F: Real>(&self, ends: [F::Mask; 2]) -> LaneWrap<F> {
+        let leads = self.leads.map(F::Mask::splat);
+        self.closed.endless_in((leads[0] & !ends[0]) | (leads[1] & !ends[1]))
     }
 }
 
@@ -95,16 +97,24 @@ impl TextureMappingTracks {
 impl TextureMapping {
     /// Maps a point of the surface, known within `error`, to the pattern, with its error bound there. The bound
     /// includes a few more roundings than this function makes: those of decimal numbers in the file.
-    pub fn local(&self, point: DVec3, error: DVec3) -> (DVec3, DVec3) {
-        let rounding = (point.abs() + self.offset.abs()) * gamma(10);
-        (self.inverse * (point - self.offset), self.inverse.abs() * (error + rounding))
+    #[inline(always)]
+    pub fn local<F: Real>(&self, point: Vec3<F>, error: Vec3<F>) -> (Vec3<F>, Vec3<F>) {
+        let rounding = (point.abs() + Vec3::splat(self.offset.abs())) * F::splat(gamma(10));
+        let at = transform_vector(&self.inverse, point - Vec3::splat(self.offset));
+        (at, transform_vector(&self.inverse.abs(), error + rounding))
+    }
+
+    /// [`TextureMapping::local`] of a point that is known exactly.
+    pub fn local_point(&self, point: DVec3) -> (DVec3, DVec3) {
+        let (at, error) = self.local::<f64>(point.into(), Vec3::zero());
+        (at.into(), error.into())
     }
 
     /// How a repeated image continues along one of its axes, x or y.
     pub fn surface_wrap(&self, axis: usize) -> SurfaceWrap {
         let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y];
         let corners = corners.map(|corner| {
-            let (at, error) = self.local(corner, DVec3::ZERO);
+            let (at, error) = self.local_point(corner);
             (at[axis], error[axis])
         });
         let whole = |(at, error): (f64, f64)| {
@@ -119,7 +129,8 @@ impl TextureMapping {
     }
 
     /// The footprint in the pattern's coordinates.
-    pub fn footprint(&self, footprint: &Footprint) -> Footprint {
+    #[inline(always)]
+    pub fn footprint<F: Real>(&self, footprint: &Footprint<F>) -> Footprint<F> {
         footprint.moved(&self.inverse)
     }
 }
@@ -139,7 +150,7 @@ mod tests {
     fn placed_like_an_object() {
         let mapping = placed(DVec3::new(5.0, 0.0, 0.0), 90.0, DVec3::new(2.0, 1.0, 1.0));
         // The pattern's (1, 0, 0) is scaled to (2, 0, 0), turned to (0, 2, 0) and moved to (5, 2, 0).
-        assert_eq!(mapping.local(DVec3::new(5.0, 2.0, 0.0), DVec3::ZERO).0, DVec3::X);
+        assert_eq!(mapping.local_point(DVec3::new(5.0, 2.0, 0.0)).0, DVec3::X);
     }
 
     #[test]
@@ -155,7 +166,7 @@ mod tests {
             first: Some(first),
             ..TextureMappingTracks::default()
         };
-        let (at, _) = tracks.at(Time::from_integer(0)).local(DVec3::new(0.3, 0.7, 0.0), DVec3::ZERO);
+        let (at, _) = tracks.at(Time::from_integer(0)).local_point(DVec3::new(0.3, 0.7, 0.0));
         let mapped = first * DVec3::new(0.3, 0.7, 1.0);
         let expected = DVec3::new(0.5 * (mapped.x - 1.0), 0.5 * (mapped.y - 2.0), 0.0);
         assert!((at - expected).length() < 1e-14, "{at} {expected}");
@@ -165,31 +176,29 @@ mod tests {
     fn no_placement_changes_nothing() {
         let mapping = TextureMappingTracks::default().at(Time::from_integer(0));
         let point = DVec3::new(0.1, -2.3, 1e9);
-        assert_eq!(mapping.local(point, DVec3::ZERO).0, point);
+        assert_eq!(mapping.local_point(point).0, point);
     }
 
     #[test]
     fn images_end_where_surfaces_do() {
         let ends = |mapping: &TextureMapping, ends: [bool; 2]| {
-            [0, 1].map(|axis| mapping.surface_wrap(axis).resolve(ends))
+            [0, 1].map(|axis| mapping.surface_wrap(axis).resolve::<f64>(ends))
         };
-        let on: AxisWrap = Wrap::Repeat.into();
+        let repeating = |from: f64, to: f64| AxisWrap::repeating(from, to).splat();
+        let on = AxisWrap::from(Wrap::Repeat).splat();
         let one = TextureMappingTracks::default().at(Time::from_integer(0));
-        assert_eq!(ends(&one, [true, true]), [AxisWrap::repeating(0.0, 1.0); 2]);
-        assert_eq!(ends(&one, [false, true]), [on, AxisWrap::repeating(0.0, 1.0)]);
+        assert_eq!(ends(&one, [true, true]), [repeating(0.0, 1.0); 2]);
+        assert_eq!(ends(&one, [false, true]), [on, repeating(0.0, 1.0)]);
         assert_eq!(ends(&one, [false, false]), [on; 2]);
         // Ten copies, although a tenth is not a binary number.
         let small = placed(DVec3::ZERO, 0.0, DVec3::splat(0.1));
-        assert_eq!(ends(&small, [true, true]), [AxisWrap::repeating(0.0, 10.0); 2]);
+        assert_eq!(ends(&small, [true, true]), [repeating(0.0, 10.0); 2]);
         let turned = placed(DVec3::ZERO, 90.0, DVec3::ONE);
-        assert_eq!(ends(&turned, [false, true]), [AxisWrap::repeating(0.0, 1.0), on]);
-        assert_eq!(
-            ends(&turned, [true, true]),
-            [AxisWrap::repeating(0.0, 1.0), AxisWrap::repeating(-1.0, 0.0)]
-        );
+        assert_eq!(ends(&turned, [false, true]), [repeating(0.0, 1.0), on]);
+        assert_eq!(ends(&turned, [true, true]), [repeating(0.0, 1.0), repeating(-1.0, 0.0)]);
         // If the image is moved by a fraction of itself, it repeats on both sides.
         let moved = placed(DVec3::new(0.25, 0.0, 0.0), 0.0, DVec3::new(1.0, 0.7, 1.0));
-        let open = AxisWrap::repeating(0.0, f64::INFINITY);
+        let open = repeating(0.0, f64::INFINITY);
         assert_eq!(ends(&moved, [true, true]), [on, open]);
         assert_eq!(ends(&placed(DVec3::ZERO, 30.0, DVec3::ONE), [true, false]), [on; 2]);
         assert_eq!(
@@ -204,7 +213,7 @@ mod tests {
         // In decimals, (0.6 - 0.4) / 0.2 and 0.6 / 0.3 are whole numbers. In binary they are not.
         for (at, offset, scale, whole) in [(0.6, 0.4, 0.2, 1.0), (0.6, 0.0, 0.3, 2.0), (0.7, 0.1, 0.1, 6.0)] {
             let mapping = placed(DVec3::splat(offset), 0.0, DVec3::splat(scale));
-            let (point, error) = mapping.local(DVec3::splat(at), DVec3::ZERO);
+            let (point, error) = mapping.local_point(DVec3::splat(at));
             assert!((point - whole).abs().cmple(error).all() && error.max_element() < 1e-13);
         }
     }

@@ -5,6 +5,7 @@ mod data;
 mod decode;
 mod error;
 mod footprint;
+mod texel;
 mod image;
 mod noise;
 mod evaluate;
@@ -24,11 +25,12 @@ pub use decode::ColorEncoding;
 pub use error::ImageError;
 pub use evaluate::{
     ColorChannel, CutoutTexture, ImageTexture, PatternTexture, ProductTexture, Texture, TextureEvalContext,
-    TextureInputs,
+    TextureInputs, TexturedObject,
 };
 pub use footprint::Footprint;
-pub use image::{Image, Texel, TextureFilter};
+pub use image::{Image, TextureFilter};
 pub use mapping::{SurfaceWrap, TextureMapping, TextureMappingTracks, TextureSpace};
 pub use pattern::Pattern;
+pub use texel::Texel;
 pub use tracks::{ImageTextureTracks, PatternTextureTracks, TextureTracks};
-pub use wrap::{AxisWrap, Wrap};
+pub use wrap::{AxisWrap, LaneWrap, Wrap};

@@ -6,7 +6,9 @@
 //! relief than pixels resolve fades.
 
 use super::{Texture, TextureEvalContext, TextureInputs};
+use crate::base::color::Rgb;
 use crate::base::digest::{Content, Digester};
+use crate::base::lanes::Vec3;
 use crate::base::math::{DVec2, DVec3};
 use crate::geometry::shape::Shape;
 
@@ -39,9 +41,9 @@ struct Neighbours<'a> {
 impl<'a> Neighbours<'a> {
     fn new(context: &'a TextureEvalContext<'a>, inputs: TextureInputs, normal: DVec3) -> Self {
         let (first, second) = normal.any_orthonormal_pair();
-        let [a, b] = context.footprint.0.map(DVec3::length);
+        let [a, b] = context.footprint.0.map(Vec3::length);
         let width = if a < b { a } else { b };
-        let bounds = context.shape.and_then(Shape::bounds);
+        let bounds = context.objects[0].shape.and_then(Shape::bounds);
         let shortest = SHORTEST * bounds.map_or(1.0, |bounds| (bounds.max - bounds.min).max_element());
         let distance = if width * 0.5 > shortest { width * 0.5 } else { shortest };
         Self { context, inputs, axes: [first, second], distance }
@@ -50,13 +52,13 @@ impl<'a> Neighbours<'a> {
     /// The evaluation context at a point beside.
     fn at(&self, axis: usize, side: f64) -> TextureEvalContext<'a> {
         let mut beside = *self.context;
-        beside.point += self.axes[axis] * (side * self.distance);
-        let Some(shape) = self.context.shape else { return beside };
+        beside.point = beside.point + Vec3::from(self.axes[axis] * (side * self.distance));
+        let Some(shape) = self.context.objects[0].shape else { return beside };
         if self.inputs.uv {
-            beside.uv = DVec2::from_array(shape.uv::<f64>(beside.point.into(), beside.part));
+            beside.uv = shape.uv::<f64>(beside.point, beside.part);
         }
         if self.inputs.color {
-            beside.color = shape.color(beside.point, beside.part);
+            beside.color = shape.color(beside.point.into(), beside.part).into();
         }
         beside
     }
@@ -69,7 +71,7 @@ impl<'a> Neighbours<'a> {
         [0, 1].map(|axis| {
             let (before, behind) = (self.at(axis, -1.0), self.at(axis, 1.0));
             let is_near =
-                |other: &TextureEvalContext| (other.uv - self.context.uv).abs().max_element() <= 0.5;
+                |other: &TextureEvalContext| (uv(other) - uv(self.context)).abs().max_element() <= 0.5;
             let (back, forth) = (here - of(&before), of(&behind) - here);
             let change = match [is_near(&before), is_near(&behind)] {
                 [true, false] => back,
@@ -81,11 +83,16 @@ impl<'a> Neighbours<'a> {
     }
 }
 
+/// The u and v of a point.
+fn uv(context: &TextureEvalContext) -> DVec2 {
+    context.uv.into()
+}
+
 /// The unit normal of a surface that `texture` raises by up to `depth`, in the space of the context. Brighter is higher.
 pub fn raised(texture: &Texture, depth: f64, context: &TextureEvalContext<'_>, normal: DVec3) -> DVec3 {
     let near = Neighbours::new(context, texture.inputs(), normal);
     let height = |at: &TextureEvalContext| {
-        DVec2::new(f64::from(texture.at(at).color.element_sum()) / 3.0 * depth, 0.0)
+        DVec2::new(f64::from(texture.at(at, true).color.element_sum()) / 3.0 * depth, 0.0)
     };
     let [along_first, along_second] = near.derivatives(height);
     let gradient = near.axes[0] * along_first.x + near.axes[1] * along_second.x;
@@ -96,7 +103,7 @@ pub fn raised(texture: &Texture, depth: f64, context: &TextureEvalContext<'_>, n
 /// u, along increasing v and along the normal (glTF 2.0, section 3.9.3). `strength` scales the first two.
 pub fn mapped(texture: &Texture, strength: f64, context: &TextureEvalContext<'_>, normal: DVec3) -> DVec3 {
     let near = Neighbours::new(context, TextureInputs { uv: true, ..TextureInputs::default() }, normal);
-    let [first, second] = near.derivatives(|at| at.uv);
+    let [first, second] = near.derivatives(uv);
     // The direction of increasing u at constant v solves two linear equations.
     let det = first.x * second.y - first.y * second.x;
     let tangent = (near.axes[0] * second.y - near.axes[1] * first.y) * det.signum();
@@ -104,7 +111,7 @@ pub fn mapped(texture: &Texture, strength: f64, context: &TextureEvalContext<'_>
     let upwards = (near.axes[1] * first.x - near.axes[0] * second.x) * det.signum();
     let across = normal.cross(tangent);
     let across = if across.dot(upwards) < 0.0 { -across } else { across };
-    let given = texture.at(context).color.as_dvec3() * 2.0 - 1.0;
+    let given = Rgb::from(texture.at(context, true).color).as_dvec3() * 2.0 - 1.0;
     let turned = tangent * (given.x * strength) + across * (given.y * strength) + normal * given.z;
     turned.try_normalize().unwrap_or(normal)
 }
@@ -114,7 +121,6 @@ mod tests {
     use super::*;
     use crate::appearance::texture::{Image, Pattern, PatternTexture, SharedAsset, TextureSpace};
     use crate::appearance::texture::{ImageTextureTracks, TextureMappingTracks, TextureTracks, Wrap};
-    use crate::base::color::Rgb;
     use crate::base::time::Time;
     use crate::geometry::shape::{Plane, Rectangle, Sphere};
     use crate::testing::Random;
@@ -135,8 +141,10 @@ mod tests {
     }
 
     fn context(shape: &Shape, point: DVec3) -> TextureEvalContext<'_> {
-        let uv = DVec2::from_array(shape.uv::<f64>(point.into(), 0));
-        TextureEvalContext { point, uv, shape: Some(shape), ..TextureEvalContext::default() }
+        let mut context = TextureEvalContext::nowhere();
+        (context.point, context.uv) = (point.into(), shape.uv::<f64>(point.into(), 0));
+        context.objects[0].shape = Some(shape);
+        context
     }
 
     /// A ramp from black to white between the centres of two texels, over half of the square.
@@ -173,7 +181,7 @@ mod tests {
                 point = DVec3::new(1e-6 * random.unit(), point.y, point.z).normalize();
             }
             let at = context(&ball, point);
-            let without = TextureEvalContext { uv: DVec2::ZERO, ..at };
+            let without = TextureEvalContext { uv: [0.0; 2], ..at };
             assert_eq!(raised(&noise, 0.1, &at, point), raised(&noise, 0.1, &without, point), "{point}");
         }
     }

@@ -88,7 +88,7 @@ impl Exporter<'_> {
         let mut info = json!({ "index": texture });
         let mapping = tracks.mapping.at(start);
         let at = |x: f64, y: f64| {
-            let point = mapping.local(DVec3::new(x, y, 0.0), DVec3::ZERO).0;
+            let point = mapping.local_point(DVec3::new(x, y, 0.0)).0;
             DVec2::new(point.x, point.y)
         };
         match transform([at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0)]) {

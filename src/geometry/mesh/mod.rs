@@ -33,7 +33,6 @@ pub use summary::{ArraySummary, MeshSummary};
 
 use crate::base::color::Rgb;
 use crate::base::digest::{Content, Digest};
-use crate::base::lanes::Level;
 use crate::base::math::{Aabb, DVec2, DVec3};
 use crate::geometry::bvh::Tree;
 use arrays::DataArrays;
@@ -128,33 +127,6 @@ impl TriangleMesh {
         let [a, b, c] = self.data.triangles[part as usize];
         let at = |vertex: u32| self.data.positions[vertex as usize];
         [at(a), at(b), at(c)]
-    }
-
-    /// Prefetches a triangle that will be needed soon.
-    #[inline(always)]
-    pub fn prefetch<L: Level>(&self, part: u32) {
-        L::prefetch(&self.data.triangles, part as usize);
-    }
-
-    /// Prefetches the positions and the normals at a triangle's corners.
-    #[inline(always)]
-    pub fn prefetch_corners<L: Level>(&self, part: u32, normals: Normals) {
-        for vertex in self.data.triangles[part as usize] {
-            L::prefetch(&self.data.positions, vertex as usize);
-        }
-        match (normals, &self.data.normals, self.smooth.get()) {
-            (Normals::File, Some(normals), _) => {
-                for index in normals.indices(part, &self.data.triangles) {
-                    L::prefetch(normals.values(), index as usize);
-                }
-            }
-            (Normals::Smooth, _, Some(normals)) => {
-                for vertex in self.data.triangles[part as usize] {
-                    L::prefetch(normals, vertex as usize);
-                }
-            }
-            _ => {}
-        }
     }
 
     /// Texture coordinates at a triangle's corners, if all corners have them.

@@ -67,7 +67,7 @@ pub use triangle::{Triangle, TriangleLanes};
 
 use crate::base::color::Rgb;
 use crate::base::digest::Content;
-use crate::base::lanes::{Level, Mask, Real, Row, Vec3};
+use crate::base::lanes::{Level, Mask, Real, Row, Select, Vec3, lanes, out_of_line};
 use crate::base::math::{Aabb, DAffine3, DVec2, DVec3, LaneRay, Ray};
 use crate::geometry::bvh::{Stack, TraversalRay};
 use crate::geometry::mesh::ArrayKey;
@@ -143,6 +143,12 @@ impl OneRay for Shape {
 
     fn uv_at(&self, point: DVec3, part: u32) -> DVec2 {
         DVec2::from_array(self.uv::<f64>(point.into(), part))
+    }
+}
+
+out_of_line! {
+    fn uv_of_lanes<'k, F>(shape: &'k Shape, point: Vec3<F>, part: F::U32) -> [F; 2] {
+        shape.uv(point, part)
     }
 }
 
@@ -310,6 +316,23 @@ impl Shape {
     #[inline(always)]
     pub fn uv<F: Real>(&self, point: Vec3<F>, part: F::U32) -> [F; 2] {
         each_shape!(self, shape => shape.uv(point, part), Group => [F::splat(0.0); 2])
+    }
+
+    /// [`Shape::uv`] in the lanes `wanted`. The other lanes are arbitrary.
+    #[inline(always)]
+    pub fn uv_in<F: Real>(&self, point: Vec3<F>, part: F::U32, wanted: F::Mask) -> [F; 2] {
+        let bits = wanted.bits();
+        // Parts are looked up lane by lane, and for a single lane, one number is faster than eight.
+        if !self.has_tree() && bits & bits.wrapping_sub(1) != 0 {
+            return uv_of_lanes(self, point, F::U32::select(wanted, part, F::U32::splat(0)));
+        }
+        let (points, parts) = (point.store(), part.to_array());
+        let zero = F::splat(0.0).to_array();
+        let (mut u, mut v) = (zero, zero);
+        for lane in lanes(bits) {
+            [u[lane], v[lane]] = self.uv_at(points[lane], parts[lane]).into();
+        }
+        [F::from_array(u), F::from_array(v)]
     }
 
     /// See [`Geometric::uv_ends`].
