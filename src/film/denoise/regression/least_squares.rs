@@ -9,6 +9,8 @@ use crate::base::lanes::Real;
 /// hundredth of the range of an albedo, squared. Positions have cells as their unit.
 const RIDGE: f64 = 1e-4;
 
+const _: () = assert!(COUNT == 9, "`for_guides` names each guide");
+
 /// The entries of a lower triangular matrix over the guides.
 pub type Factors = [Lanes; COUNT * (COUNT + 1) / 2];
 
