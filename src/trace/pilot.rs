@@ -7,6 +7,7 @@ use super::ONE_EACH;
 use super::adaptive::halves::SampleHalves;
 use super::pixels::{PixelTracer, SampleSet};
 use super::settings::{Moment, TraceSettings};
+use super::wavefront::WAVE;
 use crate::base::color::Rgb;
 use crate::base::math::{DVec3, max};
 use crate::base::stats::Counts;
@@ -116,12 +117,12 @@ impl PilotBlocks {
         let (seed, mut pixels) = (self.seed, PixelTracer::new(scene, bvh, settings, moment));
         pixels.random = random;
         let pixels = &pixels;
-        let counts = self.blocks.par_iter_mut().with_max_len(ONE_EACH).map(|block| {
-            let set = SampleSet { samples: samples.clone(), seed };
-            let counts = pixels.add(&block.places, &set, &mut block.all);
-            block.rays += counts.rays.total();
-            counts
-        });
+        let together = blocks_together(samples.len(), moment.of);
+        let counts = self
+            .blocks
+            .par_chunks_mut(together)
+            .with_max_len(ONE_EACH)
+            .map(|blocks| trace_together(blocks, pixels, &SampleSet { samples: samples.clone(), seed }));
         counts.reduce(Counts::default, |mut a, b| {
             a += b;
             a
@@ -132,6 +133,36 @@ impl PilotBlocks {
     pub fn errors(&self, weights: &[Rgb], (before, after): (u32, u32)) -> Vec<BlockError> {
         self.blocks.par_iter().map(|block| block.error(weights, self.layers, (before, after))).collect()
     }
+}
+
+/// The most blocks whose samples share waves.
+const MOST: usize = 16;
+
+/// How many blocks share waves if each pixel takes so many samples at several moments. A frame's waves are full, but a
+/// moment's samples of one block are few, so each would take up to twice as long. Without moments, the rays of each block
+/// are its own.
+fn blocks_together(samples: usize, moments: u32) -> usize {
+    match moments {
+        1 => 1,
+        _ => (WAVE * moments as usize / ((SIDE * SIDE) as usize * samples.max(1))).clamp(1, MOST),
+    }
+}
+
+/// Adds samples to blocks. Their rays are divided by their pixels.
+fn trace_together(blocks: &mut [PilotBlock], pixels: &PixelTracer, set: &SampleSet) -> Counts {
+    let places: Vec<(u32, u32)> = blocks.iter().flat_map(|block| &block.places).copied().collect();
+    let mut sums: Vec<DVec3> = blocks.iter().flat_map(|block| &block.all).copied().collect();
+    let counts = pixels.add(&places, set, &mut sums);
+    let (mut rest, rays) = (&sums[..], counts.rays.total());
+    let (all, mut before) = (places.len() as u64, 0);
+    for block in blocks {
+        let (own, others) = rest.split_at(block.all.len());
+        block.all.copy_from_slice(own);
+        let end = before + block.places.len() as u64;
+        block.rays += rays * end / all - rays * before / all;
+        (rest, before) = (others, end);
+    }
+    counts
 }
 
 impl PilotBlock {
@@ -210,6 +241,13 @@ mod tests {
         pilot.keep(&[5, 0, 1]);
         assert_eq!(pilot.blocks.iter().map(|block| block.cell).collect::<Vec<_>>(), [(0, 0), (1, 0), (2, 1)]);
         assert_eq!(pilot.neighbourhoods(), [vec![0, 1], vec![0, 1, 2], vec![1, 2]]);
+    }
+
+    #[test]
+    fn few_samples_of_a_moment_share_waves() {
+        let together = |samples, moments| blocks_together(samples, moments);
+        assert_eq!([together(1, 1), together(16, 16), together(64, 16), together(512, 32)], [1, 16, 4, 1]);
+        assert_eq!(together(1, 1000), MOST);
     }
 
     /// One pixel whose halves are 1 and 3 in all colours. Independent samples would have a squared error of 1.
