@@ -25,15 +25,19 @@ pub struct PilotBlocks {
     seed: u32,
     layers: usize,
     blocks: Vec<PilotBlock>,
-}
-
-struct PilotBlock {
-    /// The column and row of the block.
-    cell: (u32, u32),
+    /// The pixels of all blocks.
     places: Vec<(u32, u32)>,
     /// The layers of each pixel: the sums of all samples, and of the samples before the last pass.
     all: Vec<DVec3>,
     first: Vec<DVec3>,
+}
+
+#[derive(Clone)]
+struct PilotBlock {
+    /// The column and row of the block.
+    cell: (u32, u32),
+    /// Its pixels among those of all blocks.
+    pixels: Range<usize>,
     rays: u64,
 }
 
@@ -60,15 +64,16 @@ impl PilotBlocks {
     /// Spreads `count` blocks over a frame of this size, but no more than the frame has.
     pub fn new((width, height): (u32, u32), count: usize, layers: usize, seed: u32) -> Self {
         let (columns, rows) = (width.div_ceil(SIDE), height.div_ceil(SIDE));
-        let block = |(column, row): (u32, u32)| {
-            let (left, top) = (column * SIDE, row * SIDE);
+        let mut places = Vec::new();
+        let blocks = spread(columns, rows, count).into_iter().map(|(column, row)| {
+            let (left, top, first) = (column * SIDE, row * SIDE, places.len());
             let xs = left..width.min(left + SIDE);
-            let places: Vec<_> =
-                (top..height.min(top + SIDE)).flat_map(|y| xs.clone().map(move |x| (x, y))).collect();
-            let sums = vec![DVec3::ZERO; places.len() * layers];
-            PilotBlock { cell: (column, row), places, first: sums.clone(), all: sums, rays: 0 }
-        };
-        Self { seed, layers, blocks: spread(columns, rows, count).into_iter().map(block).collect() }
+            places.extend((top..height.min(top + SIDE)).flat_map(|y| xs.clone().map(move |x| (x, y))));
+            PilotBlock { cell: (column, row), pixels: first..places.len(), rays: 0 }
+        });
+        let blocks = blocks.collect();
+        let sums = vec![DVec3::ZERO; places.len() * layers];
+        Self { seed, layers, blocks, places, all: sums.clone(), first: sums }
     }
 
     /// The number of blocks of a frame of this size.
@@ -91,18 +96,31 @@ impl PilotBlocks {
 
     /// Keeps these blocks only.
     pub fn keep(&mut self, places: &[usize]) {
-        let blocks = std::mem::take(&mut self.blocks).into_iter().enumerate();
-        self.blocks = blocks.filter(|(place, _)| places.contains(place)).map(|(_, block)| block).collect();
+        let mut kept =
+            Self { blocks: Vec::new(), places: Vec::new(), all: Vec::new(), first: Vec::new(), ..*self };
+        for (_, block) in self.blocks.iter().enumerate().filter(|(place, _)| places.contains(place)) {
+            let (first, sums) = (kept.places.len(), self.sums_of(block));
+            kept.places.extend_from_slice(&self.places[block.pixels.clone()]);
+            kept.all.extend_from_slice(&self.all[sums.clone()]);
+            kept.first.extend_from_slice(&self.first[sums]);
+            kept.blocks.push(PilotBlock { pixels: first..kept.places.len(), ..block.clone() });
+        }
+        *self = kept;
+    }
+
+    /// The sums of a block among those of all blocks.
+    fn sums_of(&self, block: &PilotBlock) -> Range<usize> {
+        block.pixels.start * self.layers..block.pixels.end * self.layers
     }
 
     /// The number of pixels of all its blocks.
     pub fn pixels(&self) -> u64 {
-        self.blocks.iter().map(|block| block.places.len() as u64).sum()
+        self.places.len() as u64
     }
 
     /// Starts a pass. Its samples form the second half.
     pub fn begin_pass(&mut self) {
-        self.blocks.iter_mut().for_each(|block| block.first.copy_from_slice(&block.all));
+        self.first.copy_from_slice(&self.all);
     }
 
     /// Adds the samples that belong to this moment, either random ones or those of a regular grid.
@@ -117,12 +135,22 @@ impl PilotBlocks {
         let (seed, mut pixels) = (self.seed, PixelTracer::new(scene, bvh, settings, moment));
         pixels.random = random;
         let pixels = &pixels;
-        let together = blocks_together(samples.len(), moment.of);
-        let counts = self
-            .blocks
-            .par_chunks_mut(together)
-            .with_max_len(ONE_EACH)
-            .map(|blocks| trace_together(blocks, pixels, &SampleSet { samples: samples.clone(), seed }));
+        let most = self.blocks.len().div_ceil(rayon::current_num_threads());
+        let together = blocks_together(samples.len(), moment.of).clamp(1, most.max(1));
+        let mut groups = Vec::new();
+        let (mut places, mut sums) = (&self.places[..], &mut self.all[..]);
+        for blocks in self.blocks.chunks_mut(together) {
+            let count = blocks.iter().map(|block| block.pixels.len()).sum();
+            let (own, own_sums);
+            (own, places) = places.split_at(count);
+            (own_sums, sums) = sums.split_at_mut(count * self.layers);
+            groups.push((blocks, own, own_sums));
+        }
+        let counts = groups.into_par_iter().with_max_len(ONE_EACH).map(|(blocks, places, sums)| {
+            let counts = pixels.add(places, &SampleSet { samples: samples.clone(), seed }, sums);
+            divide_rays(blocks, counts.rays.total());
+            counts
+        });
         counts.reduce(Counts::default, |mut a, b| {
             a += b;
             a
@@ -131,51 +159,48 @@ impl PilotBlocks {
 
     /// The errors of the blocks with these weights, from the first `before` of `after` samples and the rest.
     pub fn errors(&self, weights: &[Rgb], (before, after): (u32, u32)) -> Vec<BlockError> {
-        self.blocks.par_iter().map(|block| block.error(weights, self.layers, (before, after))).collect()
+        let blocks = self.blocks.par_iter();
+        let found = blocks.map(|block| {
+            let sums = self.sums_of(block);
+            block.error(weights, [&self.all[sums.clone()], &self.first[sums]], (before, after))
+        });
+        found.collect()
     }
 }
 
-/// The most blocks whose samples share waves.
-const MOST: usize = 16;
-
-/// How many blocks share waves if each pixel takes so many samples at several moments. A frame's waves are full, but a
+/// How many blocks fill a wave if each pixel takes so many samples at several moments. A frame's waves are full, but a
 /// moment's samples of one block are few, so each would take up to twice as long. Without moments, the rays of each block
 /// are its own.
 fn blocks_together(samples: usize, moments: u32) -> usize {
     match moments {
         1 => 1,
-        _ => (WAVE * moments as usize / ((SIDE * SIDE) as usize * samples.max(1))).clamp(1, MOST),
+        _ => WAVE * moments as usize / ((SIDE * SIDE) as usize * samples.max(1)),
     }
 }
 
-/// Adds samples to blocks. Their rays are divided by their pixels.
-fn trace_together(blocks: &mut [PilotBlock], pixels: &PixelTracer, set: &SampleSet) -> Counts {
-    let places: Vec<(u32, u32)> = blocks.iter().flat_map(|block| &block.places).copied().collect();
-    let mut sums: Vec<DVec3> = blocks.iter().flat_map(|block| &block.all).copied().collect();
-    let counts = pixels.add(&places, set, &mut sums);
-    let (mut rest, rays) = (&sums[..], counts.rays.total());
-    let (all, mut before) = (places.len() as u64, 0);
+/// Divides the rays of blocks that share waves by their pixels.
+fn divide_rays(blocks: &mut [PilotBlock], rays: u64) {
+    let all: u64 = blocks.iter().map(|block| block.pixels.len() as u64).sum();
+    let mut before = 0;
     for block in blocks {
-        let (own, others) = rest.split_at(block.all.len());
-        block.all.copy_from_slice(own);
-        let end = before + block.places.len() as u64;
+        let end = before + block.pixels.len() as u64;
         block.rays += rays * end / all - rays * before / all;
-        (rest, before) = (others, end);
+        before = end;
     }
-    counts
 }
 
 impl PilotBlock {
-    fn error(&self, weights: &[Rgb], layers: usize, (before, after): (u32, u32)) -> BlockError {
-        let halves = SampleHalves::new(before, after);
+    /// The error by the sums of all samples and of the first ones.
+    fn error(&self, weights: &[Rgb], [all, first]: [&[DVec3]; 2], (before, after): (u32, u32)) -> BlockError {
+        let (halves, layers) = (SampleHalves::new(before, after), all.len() / self.pixels.len());
         let factor = halves.factor() / 3.0;
-        let pixels = self.places.len() as f64;
+        let pixels = self.pixels.len() as f64;
         let mut found = BlockError {
             pixels,
             rays: self.rays as f64 / (pixels * halves.count()),
             ..BlockError::default()
         };
-        for (all, first) in self.all.chunks_exact(layers).zip(self.first.chunks_exact(layers)) {
+        for (all, first) in all.chunks_exact(layers).zip(first.chunks_exact(layers)) {
             let sum = |sums: &[DVec3]| -> DVec3 {
                 sums.iter().zip(weights).map(|(sum, weight)| weight.as_dvec3() * *sum).sum()
             };
@@ -245,18 +270,17 @@ mod tests {
 
     #[test]
     fn few_samples_of_a_moment_share_waves() {
-        let together = |samples, moments| blocks_together(samples, moments);
-        assert_eq!([together(1, 1), together(16, 16), together(64, 16), together(512, 32)], [1, 16, 4, 1]);
-        assert_eq!(together(1, 1000), MOST);
+        let together = [(1, 1), (16, 16), (64, 16), (512, 32)].map(|(n, of)| blocks_together(n, of));
+        assert_eq!(together, [1, 16, 4, 1]);
     }
 
     /// One pixel whose halves are 1 and 3 in all colours. Independent samples would have a squared error of 1.
     #[test]
     fn halves_give_the_error() {
         let mut pilot = PilotBlocks::new((1, 1), 1, 1, 0);
-        pilot.blocks[0].all[0] = DVec3::splat(4.0);
+        pilot.all[0] = DVec3::splat(4.0);
         pilot.begin_pass();
-        pilot.blocks[0].all[0] = DVec3::splat(16.0);
+        pilot.all[0] = DVec3::splat(16.0);
         let error = pilot.errors(&[Rgb::splat(0.5)], (4, 8))[0];
         assert_eq!((error.mean, error.square, error.variance), (1.0, 0.25, 0.0625));
     }

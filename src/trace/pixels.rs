@@ -195,4 +195,4 @@ impl<'a> PixelTracer<'a> {
 }
 
 /// From so many samples of a pixel on, those of a moment are found faster by their numbers than by trying all.
-const MANY: usize = 16;
+const MANY: usize = 4;
