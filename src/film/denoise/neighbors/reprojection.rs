@@ -211,7 +211,7 @@ impl<F: Fn(usize) -> [f64; 2] + Sync> Views for Unhidden<F> {
     fn hide(&self, _: usize, _: &Self::Points, _: &mut Places) {}
 }
 
-/// The four pixels around each position of a run, in the order of [`Taps`].
+/// The four pixels around each position of a run, in the order of `Taps`.
 #[derive(Clone)]
 #[warn(missing_docs)]
 pub struct Places {

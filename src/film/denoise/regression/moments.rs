@@ -23,6 +23,8 @@ pub const fn entry(row: usize, column: usize) -> usize {
     row * (row + 1) / 2 + column
 }
 
+const _: () = assert!(FEATURES == 10, "`for_features` names each feature");
+
 /// Repeats a block for each of the features, with its number written out: loops over them are not unrolled otherwise.
 macro_rules! for_features {
     ($feature:ident => $body:block) => {
