@@ -153,38 +153,53 @@ impl LobeTable {
     /// Replaces rows from `first` on, one for each lane of a mask, as far as they are about the wanted lobes.
     #[inline(always)]
     pub fn write<S: Single>(&mut self, first: usize, mask: S::Mask, lobes: &PointLobes<S>, wanted: LobeSet) {
-        let highlight = LobeSet::PHONG | LobeSet::BLINN_PHONG;
-        let mut color = |lobe: LobeSet, Column(column): Column, color: Color<S>| {
-            if wanted.has(lobe) {
-                self.write_column(column, first, mask, color.r);
-                self.write_column(column + 1, first, mask, color.g);
-                self.write_column(column + 2, first, mask, color.b);
-            }
-        };
-        color(LobeSet::EMISSION, Column::EMISSION, lobes.emission);
-        color(LobeSet::AMBIENT, Column::AMBIENT, lobes.ambient);
-        color(LobeSet::DIFFUSE, Column::DIFFUSE, lobes.diffuse);
-        color(highlight, Column::SPECULAR, lobes.specular);
-        color(LobeSet::MIRROR, Column::MIRROR, lobes.mirror);
-        color(LobeSet::TRANSPARENT, Column::TRANSPARENCY, lobes.transparency);
-        color(LobeSet::REFRACTION, Column::REFRACTION, lobes.refraction);
-        color(LobeSet::MICROFACET, Column::BASE, lobes.base);
-        let mut number = |lobe: LobeSet, Column(column): Column, number: S| {
-            if wanted.has(lobe) {
-                self.write_column(column, first, mask, number);
-            }
-        };
-        number(LobeSet::FUZZ, Column::FUZZ, lobes.fuzz);
-        number(LobeSet::MICROFACET, Column::MICROFACET, lobes.microfacet);
-        number(LobeSet::MICROFACET, Column::METALLIC, lobes.metallic);
-        number(LobeSet::MICROFACET, Column::ROUGHNESS, lobes.roughness);
-        number(LobeSet::COAT, Column::COAT, lobes.coat.share);
-        number(LobeSet::COAT, Column::COAT_ROUGHNESS, lobes.coat.roughness);
-        number(LobeSet::COAT, Column::HOLE, lobes.coat.hole);
+        let at = (first, mask);
+        if wanted.has(LobeSet::EMISSION) {
+            self.write_color(Column::EMISSION, at, lobes.emission);
+        }
+        if wanted.has(LobeSet::AMBIENT) {
+            self.write_color(Column::AMBIENT, at, lobes.ambient);
+        }
+        if wanted.has(LobeSet::DIFFUSE) {
+            self.write_color(Column::DIFFUSE, at, lobes.diffuse);
+        }
+        if wanted.has(LobeSet::PHONG | LobeSet::BLINN_PHONG) {
+            self.write_color(Column::SPECULAR, at, lobes.specular);
+        }
+        if wanted.has(LobeSet::MIRROR) {
+            self.write_color(Column::MIRROR, at, lobes.mirror);
+        }
+        if wanted.has(LobeSet::TRANSPARENT) {
+            self.write_color(Column::TRANSPARENCY, at, lobes.transparency);
+        }
+        if wanted.has(LobeSet::REFRACTION) {
+            self.write_color(Column::REFRACTION, at, lobes.refraction);
+        }
+        if wanted.has(LobeSet::FUZZ) {
+            self.write_number(Column::FUZZ, at, lobes.fuzz);
+        }
+        if wanted.has(LobeSet::MICROFACET) {
+            self.write_color(Column::BASE, at, lobes.base);
+            self.write_number(Column::MICROFACET, at, lobes.microfacet);
+            self.write_number(Column::METALLIC, at, lobes.metallic);
+            self.write_number(Column::ROUGHNESS, at, lobes.roughness);
+        }
+        if wanted.has(LobeSet::COAT) {
+            self.write_number(Column::COAT, at, lobes.coat.share);
+            self.write_number(Column::COAT_ROUGHNESS, at, lobes.coat.roughness);
+            self.write_number(Column::HOLE, at, lobes.coat.hole);
+        }
     }
 
     #[inline(always)]
-    fn write_column<S: Single>(&mut self, column: usize, first: usize, mask: S::Mask, value: S) {
+    fn write_color<S: Single>(&mut self, Column(red): Column, at: (usize, S::Mask), color: Color<S>) {
+        self.write_number(Column(red), at, color.r);
+        self.write_number(Column(red + 1), at, color.g);
+        self.write_number(Column(red + 2), at, color.b);
+    }
+
+    #[inline(always)]
+    fn write_number<S: Single>(&mut self, Column(column): Column, (first, mask): (usize, S::Mask), value: S) {
         let at = column * self.rows + first;
         S::select(mask, value, S::load(&self.values, at)).store(&mut self.values, at);
     }

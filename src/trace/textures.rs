@@ -56,10 +56,12 @@ out_of_line! {
 /// The lanes among those of a material in which textures matter: all, the wanted ones, or none.
 #[inline(always)]
 fn textured_lanes<F: Real>(material: &Material, of_material: F::Mask, wanted: F::Mask) -> F::Mask {
-    match [material.is_textured(0), material.is_textured(1)] {
-        [true, _] => of_material,
-        [false, true] => of_material & wanted,
-        [false, false] => F::Mask::splat(false),
+    if material.is_textured(0) {
+        of_material
+    } else if material.is_textured(1) {
+        of_material & wanted
+    } else {
+        F::Mask::splat(false)
     }
 }
 
@@ -90,12 +92,13 @@ pub fn turn_normals<F: Real>(
     direction: Vec3<F>,
     active: F::Mask,
 ) {
-    let [x, y, z] = Points::new(surface, direction).turned(context, active.bits(), surface.outside.bits());
+    let [x, y, z] =
+        ReliefPoints::new(surface, direction).turned(context, active.bits(), surface.outside.bits());
     surface.surface.shading = Vec3::new(F::load(&x, 0), F::load(&y, 0), F::load(&z, 0));
 }
 
 /// Points in memory, lane by lane: each has neighbours of its own.
-struct Points {
+struct ReliefPoints {
     surfaces: [Surface; 8],
     directions: [DVec3; 8],
     parts: [u32; 8],
@@ -104,7 +107,7 @@ struct Points {
     widths: [f64; 8],
 }
 
-impl Points {
+impl ReliefPoints {
     #[inline(always)]
     fn new<F: Real>(surface: &SurfaceInteraction<F>, direction: Vec3<F>) -> Self {
         let lane = |lane: usize| lane.min(F::LANES - 1);

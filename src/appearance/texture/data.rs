@@ -66,6 +66,7 @@ impl DataScale {
 
 impl DataTexture {
     /// The colours at points in the lanes `wanted`; black in the others.
+    #[inline(always)]
     pub fn at<F: Real>(&self, context: &TextureEvalContext<'_, F>, wanted: F::Mask) -> Color<F::F32> {
         let (points, parts) = (context.point.store(), context.part.to_array());
         let black = F::F32::splat(0.0).to_array();

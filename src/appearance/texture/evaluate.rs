@@ -23,7 +23,7 @@ pub struct TextureEvalContext<'a, F: Real = f64> {
     pub ends: [F::Mask; 2],
     /// The point in the object's space, before the object is moved.
     pub point: Vec3<F>,
-    /// Error bound of each coordinate of `point`.
+    /// Error bound of each coordinate of `point`; patterns read it together with the footprint.
     pub error: Vec3<F>,
     /// The interpolated vertex colour; white if the vertices have none.
     pub color: Color<F::F32>,
@@ -50,7 +50,9 @@ pub struct TextureInputs {
     /// `uv` and `ends`.
     pub uv: bool,
     pub color: bool,
+    /// `footprint` and `error`.
     pub footprint: bool,
+    /// `footprint_uv`; `footprint` and `error`, too.
     pub footprint_uv: bool,
 }
 

@@ -322,8 +322,8 @@ impl Shape {
     #[inline(always)]
     pub fn uv_in<F: Real>(&self, point: Vec3<F>, part: F::U32, wanted: F::Mask) -> [F; 2] {
         let bits = wanted.bits();
-        // Parts are looked up lane by lane, and for a single lane, one number is faster than eight.
-        if !self.has_tree() && bits & bits.wrapping_sub(1) != 0 {
+        // Shapes of many parts look these up lane by lane, and for a single lane, one number is faster than eight.
+        if !self.has_data() && bits & bits.wrapping_sub(1) != 0 {
             return uv_of_lanes(self, point, F::U32::select(wanted, part, F::U32::splat(0)));
         }
         let (points, parts) = (point.store(), part.to_array());
