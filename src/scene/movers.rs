@@ -7,8 +7,7 @@ use super::{Finish, Geometry, Primitive, Scene, Shading};
 use crate::base::color::Rgb;
 use crate::base::lanes::{LaneKernel, Level, Mask, Row, Select, SimdKernel, lanes};
 use crate::geometry::bvh::{
-    BundleSlabs, BundleStack, BundleVisitor, LeafPrimitives, LeafVisitor, NodeRef, Slabs, Stack,
-    TraversalRay, Tree,
+    BundleSlabs, BundleStack, BundleVisitor, LeafPrimitives, LeafVisitor, Slabs, Stack, TraversalRay, Tree,
 };
 use crate::geometry::ray_kinds::RayKind;
 use crate::geometry::shape::{PreparedRay, RayInterval, Shape};
@@ -250,15 +249,10 @@ impl<L: Level> LaneSearch<'_, L> {
 }
 
 impl<L: Level> BundleVisitor<L> for LaneSearch<'_, L> {
-    const ALONE: bool = false;
-
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
         self.test(self.movers.leaves.leaf(leaf), rays);
     }
-
-    #[inline(always)]
-    fn continue_alone(&mut self, _: usize, _: NodeRef) {}
 
     #[inline(always)]
     fn limit(&self) -> L::F32 {

@@ -1,15 +1,15 @@
-//! Traversal along a bundle of eight rays, which pays if they go the same way.
+//! Traversal along a bundle of eight rays.
 
 use super::Slabs;
 use super::bundle_slabs::BundleSlabs;
 use super::traversal::{LeafVisitor, Stack, Traversal};
-use super::tree::{Child, Tree};
+use super::tree::{Child, Node, Tree};
 use crate::base::lanes::{LaneKernel, Level, Row};
 
 /// Visits the leaves of a tree that a bundle of rays may hit.
 pub trait BundleVisitor<L: Level> {
-    /// Whether single rays may leave the bundle. If not, their data need not be stored, and a bundle starts sooner.
-    const ALONE: bool;
+    /// Whether a ray leaves the bundle where it is the only one, if all rays go the same way.
+    const ALONE: bool = false;
 
     /// Tests the primitives of a leaf for the rays whose bits are set. Implementations are `#[inline(always)]`.
     fn visit(&mut self, leaf: u32, rays: u32);
@@ -17,28 +17,50 @@ pub trait BundleVisitor<L: Level> {
     /// The search limit of each ray, in the filter's units; below 0 for rays that have ended.
     fn limit(&self) -> L::F32;
 
-    /// Continues the search of one ray on its own with [`Tree::walk_below`].
-    fn continue_alone(&mut self, ray: usize, below: NodeRef);
+    /// Continues the search of a ray that leaves the bundle with [`Tree::walk_below`].
+    #[inline(always)]
+    fn continue_alone(&mut self, _ray: usize, _below: NodeRef) {}
 }
 
 /// A reference to a node of a tree, for [`Tree::walk_below`].
 #[derive(Clone, Copy, Debug)]
 pub struct NodeRef(Child);
 
-/// Up to this number of rays, each continues on its own.
-const FEW: u32 = 1;
+/// A postponed child.
+#[derive(Clone, Copy)]
+pub(super) struct Waiting {
+    /// Where a ray enters it: the first of them, or that in the lowest lane.
+    pub enter: f32,
+    /// A lower bound of where any ray enters it, by the hull.
+    pub least: f32,
+    pub place: Place,
+    /// The bits of its rays.
+    pub rays: u32,
+}
 
-/// A postponed child: where its first ray enters it, a lower bound of that for all rays, the child, and the bits of
-/// its rays.
-type Waiting = (f32, f32, Child, u32);
+/// Eight times the index of a node, plus the slot of one of its children. The nodes that 32 bits cannot count take 137 GB.
+#[derive(Clone, Copy)]
+pub(super) struct Place(u32);
+
+impl Place {
+    #[inline(always)]
+    pub fn new(node: Child, slot: usize) -> Self {
+        Self(8 * node.0 + slot as u32)
+    }
+
+    #[inline(always)]
+    pub fn of(self, tree: &Tree) -> (&Node, usize) {
+        (&tree.nodes[self.0 as usize / 8], self.0 as usize & 7)
+    }
+}
 
 /// Capacity of the stack. Where a deeper tree needs more, the subtree is traversed by recursion.
-const STACK: usize = 64;
+pub(super) const STACK: usize = 64;
 
 /// Memory for the postponed children of a walk, whose content before and after a walk has no meaning, and the work of
 /// the walks since it was last cleared.
 pub struct BundleStack {
-    waiting: [Waiting; STACK],
+    pub(super) waiting: [Waiting; STACK],
     pub work: BundleWork,
 }
 
@@ -49,9 +71,19 @@ pub struct BundleWork {
     pub rays: u32,
 }
 
+impl BundleWork {
+    /// Adds a node, and the number of these rays.
+    #[inline(always)]
+    pub(super) fn add(&mut self, rays: u32) {
+        self.nodes = self.nodes.wrapping_add(1);
+        self.rays = self.rays.wrapping_add(rays.count_ones());
+    }
+}
+
 impl Default for BundleStack {
     fn default() -> Self {
-        Self { waiting: [(0.0, 0.0, Child::NONE, 0); STACK], work: BundleWork::default() }
+        let none = Waiting { enter: 0.0, least: 0.0, place: Place(0), rays: 0 };
+        Self { waiting: [none; STACK], work: BundleWork::default() }
     }
 }
 
@@ -71,7 +103,23 @@ impl Tree {
     }
 
     #[inline(always)]
-    fn walk_bundle_from<L: Level, T: BundleVisitor<L>>(
+    fn walk_bundle_from<L: Level>(
+        &self,
+        from: Child,
+        slabs: &BundleSlabs<L>,
+        rays: u32,
+        leaves: &mut impl BundleVisitor<L>,
+        stack: &mut BundleStack,
+    ) {
+        match &slabs.rows {
+            Some(rows) => self.walk_by_ray(from, (slabs, rows), rays, leaves, stack),
+            None => self.walk_by_child(from, slabs, rays, leaves, stack),
+        }
+    }
+
+    /// The walk of rays that go the same way: each child of a node is tested with all rays at once.
+    #[inline(always)]
+    fn walk_by_child<L: Level, T: BundleVisitor<L>>(
         &self,
         from: Child,
         slabs: &BundleSlabs<L>,
@@ -80,21 +128,16 @@ impl Tree {
         BundleStack { waiting: stack, work }: &mut BundleStack,
     ) {
         let (mut top, mut at) = (0, from);
-        let few = if T::ALONE { FEW } else { 0 };
         let mut farthest = slabs.farthest(leaves.limit());
         loop {
             if let Some(leaf) = at.as_leaf() {
                 leaves.visit(leaf, rays);
                 farthest = slabs.farthest(leaves.limit());
-            } else if rays.count_ones() <= few {
-                while rays != 0 {
-                    leaves.continue_alone(rays.trailing_zeros() as usize & 7, NodeRef(at));
-                    rays &= rays - 1;
-                }
+            } else if T::ALONE && rays.is_power_of_two() {
+                leaves.continue_alone(rays.trailing_zeros() as usize & 7, NodeRef(at));
                 farthest = slabs.farthest(leaves.limit());
             } else {
-                work.nodes = work.nodes.wrapping_add(1);
-                work.rays = work.rays.wrapping_add(rays.count_ones());
+                work.add(rays);
                 let (node, limit, bottom) = (&self.nodes[at.0 as usize], leaves.limit(), top);
                 let (mut candidates, mut least) = (0xff, [0.0; 8]);
                 if let Some(hull) = &slabs.hull {
@@ -108,22 +151,17 @@ impl Tree {
                         continue;
                     }
                     let (met, enter) = slabs.test(node, slot, limit);
-                    let met = met & rays;
-                    if met == 0 {
+                    let rays = met & rays;
+                    if rays == 0 {
                         continue;
                     }
                     if top == STACK {
-                        L::call_with(Below { tree: self, from: child, slabs, rays: met, leaves });
+                        self.walk_below_bundle(child, slabs, rays, leaves);
                         continue;
                     }
-                    let first = enter.to_array()[met.trailing_zeros() as usize & 7];
-                    let waiting = (first, least[slot], child, met);
-                    let mut place = top;
-                    while place > bottom && stack[place - 1].0 < waiting.0 {
-                        stack[place] = stack[place - 1];
-                        place -= 1;
-                    }
-                    stack[place] = waiting;
+                    let enter = enter.to_array()[rays.trailing_zeros() as usize & 7];
+                    let (place, least) = (Place::new(at, slot), least[slot]);
+                    put(stack, bottom, top, Waiting { enter, least, place, rays });
                     top += 1;
                 }
             }
@@ -131,13 +169,26 @@ impl Tree {
             loop {
                 let Some(next) = top.checked_sub(1) else { return };
                 top = next;
-                let (_, least, child, met) = stack[top];
+                let Waiting { least, place, rays: met, .. } = stack[top];
                 if least <= farthest {
-                    (at, rays) = (child, met);
+                    let (node, slot) = place.of(self);
+                    (at, rays) = (node.children[slot], met);
                     break;
                 }
             }
         }
+    }
+
+    /// Walks a subtree out of line, with a stack of its own.
+    #[inline(always)]
+    pub(super) fn walk_below_bundle<L: Level>(
+        &self,
+        from: Child,
+        slabs: &BundleSlabs<L>,
+        rays: u32,
+        leaves: &mut impl BundleVisitor<L>,
+    ) {
+        L::call_with(Below { tree: self, from, slabs, rays, leaves });
     }
 
     /// Traverses the subtree below a node along a single ray up to `limit`. Returns the remaining limit, or none if a
@@ -159,6 +210,17 @@ impl Tree {
             stack: &mut Stack::default(),
         })
     }
+}
+
+/// Inserts a child among those from `bottom` to `top`. The nearest is on top.
+#[inline(always)]
+pub(super) fn put(stack: &mut [Waiting; STACK], bottom: usize, top: usize, child: Waiting) {
+    let mut place = top;
+    while place > bottom && stack[(place - 1) % STACK].enter < child.enter {
+        stack[place % STACK] = stack[(place - 1) % STACK];
+        place -= 1;
+    }
+    stack[place % STACK] = child;
 }
 
 /// A walk from another child on, out of line.

@@ -1,13 +1,13 @@
 //! Box tests of bundles of eight rays.
 
+use super::bundle_rows::Rows;
 use super::slabs::{AFAR, ROUNDOFF, SLACK, SPREAD, STEEPEST, WideSlabs};
 use super::tree::{Node, Tree};
 use super::tree_space::ROUNDING;
 use crate::base::lanes::{Level, Mask, Real, Row, Select, Single, Vec3};
 use crate::base::math::{LaneRay, gamma, max, min};
 
-/// In trees of at most this many nodes, computing a hull takes longer than it saves, and so does preparing single
-/// rays.
+/// In trees of at most this many nodes, computing a hull takes longer than it saves.
 const SMALL: usize = 8;
 
 /// Eight rays in the form that the tree's box filters use, like [`Slabs`](super::Slabs).
@@ -24,6 +24,8 @@ pub struct BundleSlabs<L: Level> {
     error: L::F32,
     /// The hull of all rays, if they go the same way along every axis.
     pub(super) hull: Option<WideSlabs<L::F32>>,
+    /// The rays one by one, if they do not.
+    pub(super) rows: Option<Rows>,
 }
 
 /// The rays along one axis, as in [`Slabs`](super::Slabs).
@@ -50,12 +52,11 @@ impl<L: Level> BundleSlabs<L> {
         let y = Self::along(origin.y, direction.y, scale, error);
         let z = Self::along(origin.z, direction.z, scale, error);
         let backwards = [x.backwards & near, y.backwards & near, z.backwards & near];
-        let mut hull = None;
-        if !tree.is_small()
-            && (backwards[0] == 0 || backwards[0] == near)
+        let same_way = (backwards[0] == 0 || backwards[0] == near)
             && (backwards[1] == 0 || backwards[1] == near)
-            && (backwards[2] == 0 || backwards[2] == near)
-        {
+            && (backwards[2] == 0 || backwards[2] == near);
+        let mut hull = None;
+        if same_way && !tree.is_small() {
             let x = Self::hull(origin.x, x.steepness, error, backwards[0] == 0, near);
             let y = Self::hull(origin.y, y.steepness, error, backwards[1] == 0, near);
             let z = Self::hull(origin.z, z.steepness, error, backwards[2] == 0, near);
@@ -70,12 +71,15 @@ impl<L: Level> BundleSlabs<L> {
                 from: L::F32::splat(0.0),
             });
         }
+        let from = (after * scale * per_world * L::F64::splat(1.0 - 4.0 * ROUNDOFF)).to_f32();
+        let (enter, leave) = ([x.enter, y.enter, z.enter], [x.leave, y.leave, z.leave]);
         let slabs = Self {
-            enter: [x.enter, y.enter, z.enter],
-            leave: [x.leave, y.leave, z.leave],
+            rows: if same_way { None } else { Some(Rows::new(enter, leave, backwards, from)) },
+            enter,
+            leave,
             backwards,
             unit: scale * per_world,
-            from: (after * scale * per_world * L::F64::splat(1.0 - 4.0 * ROUNDOFF)).to_f32(),
+            from,
             origin: [origin.x.to_f32(), origin.y.to_f32(), origin.z.to_f32()],
             error: error.to_f32(),
             hull,
@@ -199,7 +203,7 @@ impl<L: Level> BundleSlabs<L> {
 }
 
 impl Tree {
-    /// Whether the tree is too small for a hull of the rays and for single rays.
+    /// Whether the tree is too small for a hull of the rays.
     #[inline(always)]
     pub fn is_small(&self) -> bool {
         self.nodes.len() <= SMALL

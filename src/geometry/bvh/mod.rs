@@ -5,6 +5,8 @@
 
 mod build;
 mod bundle;
+mod bundle_by_ray;
+mod bundle_rows;
 mod bundle_slabs;
 mod leaf_primitives;
 mod slabs;

@@ -3,9 +3,8 @@
 use super::bvh::Bvh;
 use super::closest::LaneClosestHit;
 use super::single::ClosestHit;
-use super::single_rays::{SingleRay, Singles};
 use crate::base::lanes::{LaneKernel, Level, Mask, Real, Row, Select};
-use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, NodeRef, Stack, TraversalRay};
+use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, Stack, TraversalRay};
 use crate::geometry::shape::{RayInterval, store_lanes};
 use crate::scene::Geometry;
 
@@ -18,16 +17,12 @@ impl Bvh {
         nearest: &mut LaneClosestHit<L::F64>,
         (stack, apart): (&mut BundleStack, Option<&mut Stack>),
     ) {
-        if self.tree.is_small() {
-            L::call_with(Closest::<L, 0> { bvh: self, geometry, nearest, stack, apart });
-        } else {
-            L::call_with(Closest::<L, 8> { bvh: self, geometry, nearest, stack, apart });
-        }
+        L::call_with(Closest::<L> { bvh: self, geometry, nearest, stack, apart });
     }
 }
 
-/// The search for the closest hits, with room for `ALONE` rays that leave the bundle.
-struct Closest<'a, 'r, L: Level, const ALONE: usize> {
+/// The search for the closest hits.
+struct Closest<'a, 'r, L: Level> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     nearest: &'a mut LaneClosestHit<'r, L::F64>,
@@ -35,7 +30,7 @@ struct Closest<'a, 'r, L: Level, const ALONE: usize> {
     apart: Option<&'a mut Stack>,
 }
 
-impl<L: Level, const ALONE: usize> LaneKernel<L> for Closest<'_, '_, L, ALONE> {
+impl<L: Level> LaneKernel<L> for Closest<'_, '_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -44,33 +39,31 @@ impl<L: Level, const ALONE: usize> LaneKernel<L> for Closest<'_, '_, L, ALONE> {
         let ray = &nearest.ray.ray;
         let wanted = L::F64::splat(0.0).le(nearest.limit).bits();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray, nearest.within.min, wanted);
-        let singles = Singles::<ALONE>::new();
         let limit = slabs.limit(nearest.limit);
-        let mut walk = ClosestHitWalk { bvh, geometry, slabs: &slabs, nearest, limit, singles, apart };
+        let mut walk = ClosestHitWalk { bvh, geometry, slabs: &slabs, nearest, limit, apart };
         if near != 0 {
             bvh.tree.walk_bundle(&slabs, near, &mut walk, stack);
         }
         for lane in crate::base::lanes::lanes(afar) {
-            let single = TraversalRay::new(walk.nearest.ray.ray.lane(lane));
-            walk.alone(lane, &single, |one| bvh.tree.walk(&single, [one.within.min, one.limit()], one));
+            walk.alone(lane);
         }
     }
 }
 
-struct ClosestHitWalk<'a, 'r, L: Level, const ALONE: usize> {
+struct ClosestHitWalk<'a, 'r, L: Level> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     slabs: &'a BundleSlabs<L>,
     nearest: &'a mut LaneClosestHit<'r, L::F64>,
     limit: L::F32,
-    singles: Singles<ALONE>,
     apart: Option<&'a mut Stack>,
 }
 
-impl<L: Level, const ALONE: usize> ClosestHitWalk<'_, '_, L, ALONE> {
-    /// Continues the search along one ray.
+impl<L: Level> ClosestHitWalk<'_, '_, L> {
+    /// Searches along one ray.
     #[inline(always)]
-    fn alone(&mut self, ray: usize, single: &TraversalRay, walk: impl FnOnce(&mut ClosestHit)) {
+    fn alone(&mut self, ray: usize) {
+        let single = &TraversalRay::new(self.nearest.ray.ray.lane(ray));
         let [min, max] = self.nearest.bounds();
         let within = RayInterval { min: min[ray], max: max[ray] };
         let mut rows = self.nearest.hits.store();
@@ -81,7 +74,7 @@ impl<L: Level, const ALONE: usize> ClosestHitWalk<'_, '_, L, ALONE> {
             within,
             (rows.lane(ray), self.apart.as_deref_mut()),
         );
-        walk(&mut one);
+        self.bvh.tree.walk(single, [one.within.min, one.limit()], &mut one);
         let hit = one.found.hit;
         let mut limits = store_lanes(self.nearest.limit);
         limits[ray] = one.limit();
@@ -92,9 +85,7 @@ impl<L: Level, const ALONE: usize> ClosestHitWalk<'_, '_, L, ALONE> {
     }
 }
 
-impl<L: Level, const ALONE: usize> BundleVisitor<L> for ClosestHitWalk<'_, '_, L, ALONE> {
-    const ALONE: bool = ALONE > 0;
-
+impl<L: Level> BundleVisitor<L> for ClosestHitWalk<'_, '_, L> {
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
         let all = self.nearest.limit;
@@ -103,17 +94,6 @@ impl<L: Level, const ALONE: usize> BundleVisitor<L> for ClosestHitWalk<'_, '_, L
         self.nearest.test(self.geometry, self.bvh.leaves.leaf(leaf), self.apart.as_deref_mut());
         self.nearest.limit = L::F64::select(L::Mask::from_bits(rays), self.nearest.limit, all);
         self.limit = self.slabs.limit(self.nearest.limit);
-    }
-
-    #[inline(always)]
-    fn continue_alone(&mut self, ray: usize, below: NodeRef) {
-        let tree = &self.bvh.tree;
-        let Some(&SingleRay { single, slabs }) = self.singles.get::<L>(tree, self.nearest.ray, ray) else {
-            return;
-        };
-        self.alone(ray, &single, |one| {
-            tree.walk_below::<L>(below, &slabs, slabs.limit(one.limit()), one);
-        });
     }
 
     #[inline(always)]

@@ -3,9 +3,8 @@
 use super::bvh::Bvh;
 use super::occlusion::{Occlusion, TransmissiveFlags, is_transmissive};
 use super::single::AnyHit;
-use super::single_rays::{SingleRay, Singles};
 use crate::base::lanes::{LaneKernel, Level, Mask, Row, Select};
-use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, NodeRef, Stack, TraversalRay};
+use crate::geometry::bvh::{BundleSlabs, BundleStack, BundleVisitor, Stack, TraversalRay};
 use crate::geometry::shape::{PreparedRay, RayInterval, store_lanes};
 use crate::scene::{Geometry, Primitive};
 
@@ -110,16 +109,12 @@ impl Bvh {
         shadow: &mut LaneAnyHit<L>,
         (stack, apart): (&mut BundleStack, Option<&mut Stack>),
     ) {
-        if self.tree.is_small() {
-            L::call_with(Occluded::<L, 0> { bvh: self, geometry, shadow, stack, apart });
-        } else {
-            L::call_with(Occluded::<L, 8> { bvh: self, geometry, shadow, stack, apart });
-        }
+        L::call_with(Occluded::<L> { bvh: self, geometry, shadow, stack, apart });
     }
 }
 
-/// The search for occlusion, with room for `ALONE` rays that leave the bundle.
-struct Occluded<'a, 'r, L: Level, const ALONE: usize> {
+/// The search for occlusion.
+struct Occluded<'a, 'r, L: Level> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     shadow: &'a mut LaneAnyHit<'r, L>,
@@ -127,7 +122,7 @@ struct Occluded<'a, 'r, L: Level, const ALONE: usize> {
     apart: Option<&'a mut Stack>,
 }
 
-impl<L: Level, const ALONE: usize> LaneKernel<L> for Occluded<'_, '_, L, ALONE> {
+impl<L: Level> LaneKernel<L> for Occluded<'_, '_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -136,33 +131,31 @@ impl<L: Level, const ALONE: usize> LaneKernel<L> for Occluded<'_, '_, L, ALONE> 
         let ray = &shadow.ray.ray;
         let wanted = shadow.open.bits();
         let (slabs, near, afar) = BundleSlabs::<L>::new(&bvh.tree, ray, shadow.within.min, wanted);
-        let singles = Singles::<ALONE>::new();
         let limit = slabs.limit(L::F64::select(shadow.open, shadow.within.max, L::F64::splat(-1.0)));
-        let mut walk = AnyHitWalk { bvh, geometry, shadow, limit, singles, apart };
+        let mut walk = AnyHitWalk { bvh, geometry, shadow, limit, apart };
         if near != 0 {
             bvh.tree.walk_bundle(&slabs, near, &mut walk, stack);
         }
         for lane in crate::base::lanes::lanes(afar) {
-            let single = TraversalRay::new(walk.shadow.ray.ray.lane(lane));
-            walk.alone(lane, &single, |any| bvh.tree.walk(&single, [any.within.min, any.within.max], any));
+            walk.alone(lane);
         }
     }
 }
 
-struct AnyHitWalk<'a, 'r, L: Level, const ALONE: usize> {
+struct AnyHitWalk<'a, 'r, L: Level> {
     bvh: &'a Bvh,
     geometry: &'a Geometry,
     shadow: &'a mut LaneAnyHit<'r, L>,
     limit: L::F32,
-    singles: Singles<ALONE>,
     apart: Option<&'a mut Stack>,
 }
 
-impl<L: Level, const ALONE: usize> AnyHitWalk<'_, '_, L, ALONE> {
-    /// Continues the search along one ray.
+impl<L: Level> AnyHitWalk<'_, '_, L> {
+    /// Searches along one ray.
     #[inline(always)]
-    fn alone(&mut self, ray: usize, single: &TraversalRay, walk: impl FnOnce(&mut AnyHit)) {
+    fn alone(&mut self, ray: usize) {
         let Self { bvh, geometry, .. } = *self;
+        let single = &TraversalRay::new(self.shadow.ray.ray.lane(ray));
         let [min, max] = self.shadow.bounds();
         let within = RayInterval { min: min[ray], max: max[ray] };
         let dimmed = self.shadow.dimmed.bits() >> ray & 1 == 1;
@@ -170,7 +163,7 @@ impl<L: Level, const ALONE: usize> AnyHitWalk<'_, '_, L, ALONE> {
         let parts = self.apart.as_deref_mut();
         let mut any =
             AnyHit { bvh, geometry, ray: single, within, transmissive, blocked: false, dimmed, parts };
-        walk(&mut any);
+        bvh.tree.walk(single, [any.within.min, any.within.max], &mut any);
         let bit = 1 << ray;
         if any.dimmed {
             self.shadow.dimmed = self.shadow.dimmed | L::Mask::from_bits(bit);
@@ -189,28 +182,12 @@ impl<L: Level, const ALONE: usize> AnyHitWalk<'_, '_, L, ALONE> {
     }
 }
 
-impl<L: Level, const ALONE: usize> BundleVisitor<L> for AnyHitWalk<'_, '_, L, ALONE> {
-    const ALONE: bool = ALONE > 0;
-
+impl<L: Level> BundleVisitor<L> for AnyHitWalk<'_, '_, L> {
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
         let (primitives, rays) = (self.bvh.leaves.leaf(leaf), L::Mask::from_bits(rays));
         self.shadow.test(self.geometry, primitives, rays, self.apart.as_deref_mut());
         self.close();
-    }
-
-    #[inline(always)]
-    fn continue_alone(&mut self, ray: usize, below: NodeRef) {
-        if self.shadow.blocked.bits() >> ray & 1 == 1 {
-            return;
-        }
-        let tree = &self.bvh.tree;
-        let Some(&SingleRay { single, slabs }) = self.singles.get::<L>(tree, self.shadow.ray, ray) else {
-            return;
-        };
-        self.alone(ray, &single, |any| {
-            tree.walk_below::<L>(below, &slabs, slabs.limit(any.within.max), any);
-        });
     }
 
     #[inline(always)]

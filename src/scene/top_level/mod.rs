@@ -1,8 +1,8 @@
 //! The top level of the acceleration structure: a tree over a scene's primitives.
 //!
-//! Rays are searched eight at a time. Primitives outside the tree are tested with all eight. In the tree, coherent
-//! rays are searched as a bundle and incoherent ones one by one. The tree only decides what to skip. The hits are
-//! those of the primitives, and among equally near ones the first in the file wins.
+//! Rays are searched eight at a time. Primitives outside the tree are tested with all eight. In the tree, they are
+//! searched as a bundle, or one by one where few of them visit the same nodes. The tree only decides what to skip. The
+//! hits are those of the primitives, and among equally near ones the first in the file wins.
 
 mod bundle;
 mod bundle_any_hit;
@@ -13,7 +13,6 @@ mod grouping;
 mod occlusion;
 mod query;
 mod single;
-mod single_rays;
 #[cfg(test)]
 mod tests;
 

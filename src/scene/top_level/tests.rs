@@ -313,6 +313,18 @@ fn deep_trees_are_walked_to_the_end() {
         let ray = TraversalRay::new(Ray { origin, direction: random.point(1.0) });
         assert_eq!(bvh.intersect_one(&geometry, &ray), brute_force(&geometry, &ray));
     }
+    for _ in 0..50 {
+        let ray = |_| Ray {
+            origin: random.point(1.0) * libm::exp2(200.0 * random.unit() - 100.0),
+            direction: random.point(1.0),
+        };
+        let rays = [0; 8].map(ray);
+        let eight = Eight { rays, wanted: 0xff, min: [0.0; 8], max: [f64::INFINITY; 8] };
+        let hits = dispatch(Intersect(&bvh, &geometry, &eight, Coherence::Incoherent));
+        for (lane, ray, _) in eight.each() {
+            assert_eq!(hits[lane], brute_force(&geometry, &ray));
+        }
+    }
 }
 
 /// Eight rays, the bits of those to be searched, and their intervals of t.
