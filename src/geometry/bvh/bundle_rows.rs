@@ -1,6 +1,6 @@
 //! Box tests of the rays of a bundle one by one, each with the eight children of a node at once.
 
-use super::slabs::SPREAD;
+use super::slabs::{SPREAD, WideSlabs};
 use super::tree::Node;
 use crate::base::lanes::{Mask, Single};
 
@@ -52,11 +52,7 @@ impl Rows {
         while rays != 0 {
             let ray = rays.trailing_zeros() as usize & 7;
             rays &= rays - 1;
-            let x = self.planes::<S>(node, 0, ray);
-            let y = self.planes::<S>(node, 1, ray);
-            let z = self.planes::<S>(node, 2, ray);
-            let enter = x.0.max(S::splat(self.from[ray])).max(y.0.max(z.0));
-            let leave = x.1.min(S::splat(limits[ray])).min(y.1.min(z.1));
+            let (enter, leave) = self.ray::<S>(ray).crossings(node, limits[ray]);
             let is_met = enter.le(leave);
             first = first.min(S::select(is_met, enter, never));
             children |= is_met.bits();
@@ -65,14 +61,20 @@ impl Rows {
         Met { children, by_ray, enter: first.to_array() }
     }
 
-    /// Where a ray crosses the near and the far planes of all children along an axis.
+    /// A ray in the form that tests eight boxes at once.
     #[inline(always)]
-    fn planes<S: Single<Array = [f32; 8]>>(&self, node: &Node, axis: usize, ray: usize) -> (S, S) {
-        let near = (self.backwards[axis] >> ray & 1) as usize;
-        let ([a, b], [c, d]) = (&self.enter[axis], &self.leave[axis]);
-        let enter = S::from_array(node.planes[axis][near]);
-        let leave = S::from_array(node.planes[axis][near ^ 1]);
-        (enter.mul_add(S::splat(a[ray]), S::splat(b[ray])), leave.mul_add(S::splat(c[ray]), S::splat(d[ray])))
+    fn ray<S: Single<Array = [f32; 8]>>(&self, ray: usize) -> WideSlabs<S> {
+        let nothing = [[S::splat(0.0); 2]; 3];
+        let mut slabs =
+            WideSlabs { enter: nothing, leave: nothing, near: [0; 3], from: S::splat(self.from[ray]) };
+        for axis in 0..3 {
+            for part in 0..2 {
+                slabs.enter[axis][part] = S::splat(self.enter[axis][part][ray]);
+                slabs.leave[axis][part] = S::splat(self.leave[axis][part][ray]);
+            }
+            slabs.near[axis] = (self.backwards[axis] >> ray & 1) as usize;
+        }
+        slabs
     }
 }
 

@@ -183,12 +183,20 @@ impl<S: Single<Array = [f32; 8]>> WideSlabs<S> {
     /// The boxes of a node that the ray may hit before `limit`, a bit each, and a lower bound of where it enters them.
     #[inline(always)]
     pub fn test(&self, node: &Node, limit: f32) -> (u32, [f32; 8]) {
+        let (enter, leave) = self.crossings(node, limit * SPREAD as f32);
+        (enter.le_bits(leave), enter.to_array())
+    }
+
+    /// Lower bounds of where the ray enters the boxes of a node, and upper bounds of where it leaves them or reaches
+    /// `limit`.
+    #[inline(always)]
+    pub fn crossings(&self, node: &Node, limit: f32) -> (S, S) {
         // In pairs, because the next node waits for the last of these operations.
         let enter = self.enter(node, 0).max(self.from);
         let enter = enter.max(self.enter(node, 1).max(self.enter(node, 2)));
-        let leave = self.leave(node, 0).min(S::splat(limit * SPREAD as f32));
+        let leave = self.leave(node, 0).min(S::splat(limit));
         let leave = leave.min(self.leave(node, 1).min(self.leave(node, 2)));
-        (enter.le_bits(leave), enter.to_array())
+        (enter, leave)
     }
 
     #[inline(always)]

@@ -11,7 +11,7 @@ use super::shared_paths::weights_of;
 use super::shutter::Shutter;
 use super::stages::{
     CurrentMoment, ExposureTrack, FilmInProgress, FilmSink, FirstError, FrameError, FrameStage,
-    RenderSettings, RunProgress, Sink, Stats, Stopwatch, TraceRequest,
+    RenderSettings, RunProgress, Sink, Stats, Stopwatch, TraceRequest, empty_bvh,
 };
 use super::systems::{new_world, schedule};
 use crate::base::cancel::Stop;
@@ -20,7 +20,6 @@ use crate::base::time::{Clock, Timeline};
 use crate::film::filter::FilterSampler;
 use crate::film::{AovSet, Film, LayerId};
 use crate::scene::Shading;
-use crate::scene::top_level::Bvh;
 use crate::sequence::Sequence;
 use crate::sequence::quality::Quality;
 use crate::trace::{Moment, TraceSettings};
@@ -92,7 +91,7 @@ impl<S: FilmSink> FrameLoop<S> {
         let mut world = new_world(sequence);
         world.resource_mut::<Current<Shading>>().0.sky_table = sky_table(sequence);
         world.insert_resource(ShapeUse::Rays);
-        world.insert_resource(Current(Bvh::default()));
+        world.insert_resource(empty_bvh(&sequence.quality));
         world.insert_resource(RenderSettings(TraceSettings {
             size: sequence.output.size,
             quality: sequence.quality,

@@ -3,7 +3,7 @@
 use super::cross_fade::look_through;
 use super::frame_state::FrameState;
 use super::shutter::Shutter;
-use super::stages::{CurrentMoment, FirstError, FrameError, FrameStage, Stopwatch, accelerate};
+use super::stages::{CurrentMoment, FirstError, FrameError, FrameStage, Stopwatch, accelerate, empty_bvh};
 use super::systems::{new_world, update_schedule};
 use crate::base::time::{Clock, Timeline};
 use crate::camera::Camera;
@@ -35,7 +35,7 @@ impl PreparedWorld {
         let mut world = new_world(sequence);
         world.resource_mut::<Current<Shading>>().0.sky_table = sky_table(sequence);
         world.insert_resource(ShapeUse::Rays);
-        world.insert_resource(Current(Bvh::default()));
+        world.insert_resource(empty_bvh(&sequence.quality));
         let settings = TraceSettings {
             size: sequence.output.size,
             quality: sequence.quality,

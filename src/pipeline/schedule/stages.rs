@@ -9,9 +9,9 @@ use crate::encode::EncodeError;
 use crate::film::denoise::Memory;
 use crate::film::{Film, lit};
 use crate::import::series::StepError;
-use crate::scene::top_level::{Bvh, BvhUpdate};
+use crate::scene::top_level::{Bvh, BvhUpdate, Coherence};
 use crate::scene::{Geometry, Scene, Shading, Weights};
-use crate::sequence::quality::Denoise;
+use crate::sequence::quality::{Denoise, Integrator, Quality};
 use crate::trace::{
     AdaptiveFrame, Moment, PrimaryHits, TraceSettings, Weightings, is_random, trace_moment, trace_weighted,
 };
@@ -263,6 +263,14 @@ pub fn count_geometry(geometry: Res<Current<Geometry>>, mut stats: ResMut<Stats>
 
 pub fn count_shading(mut stats: ResMut<Stats>) {
     stats.shading_packs += 1;
+}
+
+/// No tree yet, for the rays of an integrator. Most of Whitted's rays start at neighbours and end at the same lamps.
+pub fn empty_bvh(quality: &Quality) -> Current<Bvh> {
+    Current(Bvh::for_rays(match quality.integrator {
+        Integrator::Whitted => Coherence::Coherent,
+        Integrator::Path(_) => Coherence::Incoherent,
+    }))
 }
 
 pub fn accelerate(geometry: Res<Current<Geometry>>, mut bvh: ResMut<Current<Bvh>>, mut stats: ResMut<Stats>) {

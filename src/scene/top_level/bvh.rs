@@ -1,9 +1,11 @@
 //! The tree over a scene's primitives and its construction.
 
 use super::extent::{Extent, Extents};
+use super::gain::{cost, pays};
+use super::query::Coherence;
+use crate::base::math::Aabb;
 use crate::geometry::bvh::{LeafPrimitives, Refitter, Tree};
 use crate::geometry::ray_kinds::RayKind;
-use crate::geometry::shape::Shape;
 use crate::scene::{Geometry, Primitive};
 
 /// A tree over the bounded primitives, with lists of those that are tested without it.
@@ -31,6 +33,8 @@ pub struct Bvh {
     refitter: Refitter,
     /// How often primitives were replaced since the tree was built.
     rewritten: u64,
+    /// How the directions of eight rays that search together mostly are.
+    coherence: Coherence,
     /// The kind of the only rays that search this tree; none if all may.
     kind: Option<RayKind>,
     /// For each kind of ray that does not see all primitives, the tree over those that it sees.
@@ -56,34 +60,9 @@ enum Place {
     Leaf(u32),
 }
 
-/// Below this cost of testing all bounded primitives there is no tree: a search takes longer.
-const CHEAP: usize = 12;
-
-/// The cost of testing a primitive, in tests of a sphere or a rectangle, which most rays that miss leave early. Others
-/// take at least the transforms of three corners or of the ray first.
-fn cost(primitive: &Primitive) -> usize {
-    match (&primitive.shape, &primitive.transform) {
-        (Shape::Sphere(_) | Shape::Rectangle(_) | Shape::Disk(_) | Shape::Cuboid(_), None) => 1,
-        // All crossings of all parts, which are sorted.
-        (Shape::Solid(_), _) => 8 * primitive.shape.solid_count(),
-        _ => 2,
-    }
-}
-
-/// The cost of testing bounded primitives without a tree. For a single one it counts as 0: the tree would be one leaf,
-/// whose box no node holds.
-fn cost_without_tree<'a>(geometry: &Geometry, bounded: impl Iterator<Item = &'a u32>) -> usize {
-    let (mut count, mut sum) = (0, 0);
-    for index in bounded {
-        count += 1;
-        sum += cost(&geometry.primitives[*index as usize]);
-    }
-    if count > 1 { sum } else { 0 }
-}
-
-/// Primitives that appear are tested without the tree as long as testing all of these costs less than this. A build
-/// takes much longer, and objects that take turns would need one in every frame.
-const FEW: usize = 5;
+/// Primitives that appear are tested without the tree as long as testing all of these costs less than this, or there is
+/// one alone. A build takes much longer, and objects that take turns would need one in every frame.
+const FEW: f64 = 18.0;
 
 /// A tree's space may be larger than that of its boxes by this factor; the coordinates of boxes are coarser by it.
 /// Below 2, a primitive that sways across a power of two would need a build in every frame.
@@ -99,11 +78,28 @@ const MOST_CHANGES: u64 = 16;
 
 #[warn(missing_docs)]
 impl Bvh {
-    /// Builds the tree over `geometry`. The same geometry gives the same tree.
+    /// Builds the tree over `geometry`, for rays in all directions. The same geometry gives the same tree.
     pub fn build(geometry: &Geometry) -> Self {
-        let mut all = Self::build_for(geometry, None);
-        all.update_seen(geometry);
-        all
+        Self::default().rebuilt(geometry)
+    }
+
+    /// No tree yet. Scenes of few primitives get one if rays of this kind are faster with it.
+    pub fn for_rays(coherence: Coherence) -> Self {
+        Self { coherence, ..Self::default() }
+    }
+
+    /// The tree for a part of a scene, for the same rays and with the same error bounds as in the whole scene: searches
+    /// give the hits of that.
+    pub fn of_part(&self, geometry: &Geometry) -> Self {
+        let part = Self::for_rays(self.coherence).rebuilt(geometry);
+        let seen = part.seen.map(|tree| tree.map(|tree| Box::new(Self { reach: self.reach, ..*tree })));
+        Self { reach: self.reach, seen, ..part }
+    }
+
+    fn rebuilt(mut self, geometry: &Geometry) -> Self {
+        self = self.build_for(geometry, None);
+        self.update_seen(geometry);
+        self
     }
 
     /// The tree that rays of a kind search.
@@ -115,19 +111,18 @@ impl Bvh {
     /// Brings the trees of single kinds of rays up to date. Scenes in which all rays see everything have none.
     fn update_seen(&mut self, geometry: &Geometry) {
         for kind in RayKind::ALL {
-            let tree = &mut self.seen[kind.index()];
-            match tree {
-                _ if !geometry.hides_from(kind) => *tree = None,
+            match &mut self.seen[kind.index()] {
+                tree if !geometry.hides_from(kind) => *tree = None,
                 Some(tree) => {
                     tree.update_own(geometry);
                 }
-                None => *tree = Some(Box::new(Self::build_for(geometry, Some(kind)))),
+                None => self.seen[kind.index()] = Some(Box::new(self.build_for(geometry, Some(kind)))),
             }
         }
     }
 
     /// Builds the tree over the primitives that a kind of rays sees.
-    fn build_for(geometry: &Geometry, kind: Option<RayKind>) -> Self {
+    fn build_for(&self, geometry: &Geometry, kind: Option<RayKind>) -> Self {
         let (mut bounded, mut boxes, mut direct) = (Vec::new(), Vec::new(), Vec::new());
         for (index, primitive) in (0..).zip(&geometry.primitives) {
             match primitive.bounds() {
@@ -141,14 +136,20 @@ impl Bvh {
         }
         let mut meshes = Vec::new();
         let (mut tree, mut leaves) = Default::default();
-        if cost_without_tree(geometry, bounded.iter()) < CHEAP {
+        let extents = Extents::new(&geometry.primitives);
+        let primitives = bounded.iter().map(|index| &geometry.primitives[*index as usize]);
+        let has_tree = extents
+            .all()
+            .bounds()
+            .is_some_and(|all| pays(primitives.zip(boxes.iter().copied()), all, self.coherence));
+        if has_tree {
+            (tree, leaves) = Tree::of_boxes(&boxes);
+        } else {
             for index in bounded.drain(..) {
                 let has_tree = geometry.primitives[index as usize].shape.has_tree();
                 if has_tree { meshes.push(index) } else { direct.push(index) }
             }
             direct.sort_unstable();
-        } else {
-            (tree, leaves) = Tree::of_boxes(&boxes);
         }
         leaves.renumber(|primitive| bounded[primitive as usize]);
         let has_parts = geometry.primitives.iter().any(|primitive| primitive.shape.has_tree());
@@ -157,7 +158,6 @@ impl Bvh {
         for leaf in 0..leaves.len() as u32 {
             leaves.leaf(leaf).iter().for_each(|index| places[*index as usize] = Place::Leaf(leaf));
         }
-        let extents = Extents::new(&geometry.primitives);
         let (reach, refitter) = (extents.all().reach(), Refitter::new(&tree, leaves.len()));
         Self {
             tree,
@@ -173,6 +173,7 @@ impl Bvh {
             refitter,
             rewritten: 0,
             kind,
+            coherence: self.coherence,
             seen: Default::default(),
         }
     }
@@ -193,7 +194,7 @@ impl Bvh {
         if self.refit(geometry).is_some() {
             return BvhUpdate::Refit;
         }
-        *self = Self { seen: std::mem::take(&mut self.seen), ..Self::build_for(geometry, self.kind) };
+        *self = Self { seen: std::mem::take(&mut self.seen), ..self.build_for(geometry, self.kind) };
         BvhUpdate::Build
     }
 
@@ -227,7 +228,11 @@ impl Bvh {
         // In a much larger space, f32 boxes would be too coarse.
         let is_close = all.space().scale <= ROOMIEST * self.tree.space().scale;
         let is_good = self.tree.is_empty() || is_close && self.is_good();
-        (is_good && self.direct_cost(geometry) < if self.tree.is_empty() { CHEAP } else { FEW }).then_some(())
+        let is_complete = match self.tree.is_empty() {
+            true => all.bounds().is_none_or(|all| !pays(self.bounded_direct(geometry), all, self.coherence)),
+            false => self.is_little(geometry),
+        };
+        (is_good && is_complete).then_some(())
     }
 
     /// Adds a primitive that appeared to those that are tested without the tree.
@@ -246,10 +251,21 @@ impl Bvh {
         self.places[slot] = Place::Nowhere;
     }
 
-    /// The cost of testing the bounded primitives outside the tree.
-    fn direct_cost(&self, geometry: &Geometry) -> usize {
-        let bounded = |index: &&u32| self.extents.bounds(**index as usize).is_some();
-        cost_without_tree(geometry, self.direct.iter().chain(&self.meshes).filter(bounded))
+    /// Whether testing the bounded primitives outside the tree takes less than a build.
+    fn is_little(&self, geometry: &Geometry) -> bool {
+        let costs = self.bounded_direct(geometry).map(|(primitive, _)| cost(primitive));
+        costs.clone().count() <= 1 || costs.sum::<f64>() < FEW
+    }
+
+    /// The bounded primitives outside the tree, with their boxes.
+    fn bounded_direct<'a>(
+        &self,
+        geometry: &'a Geometry,
+    ) -> impl Iterator<Item = (&'a Primitive, Aabb)> + Clone {
+        self.direct.iter().chain(&self.meshes).filter_map(|index| {
+            let bounds = self.extents.bounds(*index as usize)?;
+            Some((&geometry.primitives[*index as usize], bounds))
+        })
     }
 
     /// Whether a refitted tree is good enough to keep.
@@ -263,13 +279,6 @@ impl Bvh {
     #[cfg(test)]
     pub(super) fn cost(&self) -> f64 {
         self.refitter.cost(&self.tree)
-    }
-
-    /// The tree with the error bounds of a scene whose largest coordinate is `reach`, for searches that must give the
-    /// hits of that scene.
-    pub fn with_reach(self, reach: f64) -> Self {
-        let seen = self.seen.map(|tree| tree.map(|tree| Box::new(Self { reach, ..*tree })));
-        Self { reach, seen, ..self }
     }
 
     /// The largest coordinate of all bounded primitives and of the points of planes.

@@ -9,6 +9,7 @@ mod bundle_any_hit;
 mod bvh;
 mod closest;
 mod extent;
+mod gain;
 mod grouping;
 mod occlusion;
 mod query;

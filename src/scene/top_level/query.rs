@@ -12,10 +12,11 @@ use crate::geometry::shape::{PreparedRay, RayInterval, StoredRays};
 use crate::scene::Geometry;
 
 /// Whether the rays of a stage have similar directions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coherence {
     /// Eight neighbours have similar directions: from the camera, or to a light.
     Coherent,
+    #[default]
     Incoherent,
 }
 

@@ -129,9 +129,9 @@ impl<'a> SharedFrames<'a> {
     pub fn new(poses: &'a [FramePose<'a>], settings: &'a TraceSettings) -> Self {
         let scenes: Vec<Scene> = poses.iter().map(|pose| pose.scene).collect();
         let slots = moving_slots(&scenes);
-        let still = poses.first().map_or_else(Bvh::default, |first| {
-            Bvh::build(&without(first.scene.geometry, &slots)).with_reach(first.bvh.reach())
-        });
+        let still = poses
+            .first()
+            .map_or_else(Bvh::default, |first| first.bvh.of_part(&without(first.scene.geometry, &slots)));
         let all: Vec<MoverPose> = poses.iter().map(FramePose::pose).collect();
         let count = poses.last().map_or(0, |last| last.frame + 1);
         Self { poses, settings, count, still, movers: Movers::new(&all, &slots), limits: Limits::default() }
