@@ -1,15 +1,16 @@
 //! A scene at one moment, prepared for tracing: everything that is constant is resolved.
 
-use super::light::LightSampler;
+use super::light::{LightSampler, Scattering};
 use super::materials::{LobeSet, LobeTable};
 use super::settings::TraceSettings;
-use super::stream::Columns;
+use super::stream::{Columns, PathState};
 use crate::appearance::environment::Environment;
 use crate::appearance::fog::Fog;
 use crate::appearance::light_groups::GroupRadiance;
 use crate::appearance::material::{Material, MaterialBinding};
 use crate::appearance::texture::TextureInputs;
 use crate::base::color::Rgb;
+use crate::base::lanes::{Bits, Real, Row};
 use crate::base::math::{DVec3, gamma};
 use crate::film::LayerId;
 use crate::geometry::ray_kinds::RayKind;
@@ -174,6 +175,13 @@ impl<'a> TraceContext<'a> {
             branches: !path && materials.branch(),
             movers: None,
         }
+    }
+
+    /// Where paths were scattered last. The scattering has taken one of their bounces.
+    #[inline(always)]
+    pub fn scattering<F: Real>(&self, path: &PathState<F>) -> Scattering<F> {
+        let is_first = path.bounces_left.eq(F::U32::splat(self.quality.surfaces().wrapping_sub(1)));
+        Scattering { point: path.scattered_at, is_first }
     }
 
     /// The queue of a hit, and the index of its material or light.

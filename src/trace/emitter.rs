@@ -31,7 +31,7 @@ impl SimdKernel for HandleEmitters<'_, '_> {
                     let lights = &context.lights;
                     mis_weight(
                         &path,
-                        lights.pdf_of_hit(path.scattered_at, hit.primitive, &hit.surface, active),
+                        lights.pdf_of_hit(context.scattering(&path), hit.primitive, &hit.surface, active),
                     )
                 }
                 false => {

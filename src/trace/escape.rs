@@ -35,7 +35,8 @@ impl SimdKernel for HandleEscaped<'_, '_> {
             let direction: Vec3<L::F64> = path.ray.direction;
             let mut light: Color<L::F32> = path.throughput.at_emitter() * environment.radiance(direction);
             if context.lights.samples_sky() {
-                light = light * mis_weight(&path, context.lights.pdf_of_sky(direction));
+                light = light
+                    * mis_weight(&path, context.lights.pdf_of_sky(context.scattering(&path), direction));
             }
             wave.sums.add::<L::F64>(environment.layer, light, active, path.slot);
         }

@@ -74,19 +74,22 @@ impl<F: Real> PathShader<'_, F> {
         if lobes.has(LobeSet::EMISSION) {
             let mut weight = F::F32::splat(1.0);
             if wave.context.columns.mis {
-                let lights = &wave.context.lights;
-                let point = &surface.surface;
-                weight =
-                    mis_weight(path, lights.pdf_of_hit(path.scattered_at, surface.primitive, point, visible));
+                let (context, point) = (wave.context, &surface.surface);
+                let from = context.scattering(path);
+                weight = mis_weight(path, context.lights.pdf_of_hit(from, surface.primitive, point, visible));
             }
             self.at.add_emission(wave, visible, weight, &rows);
         }
         let open = visible & !*is_final;
         let last = open & path.bounces_left.eq(F::U32::splat(1));
         if lobes.has(LobeSet::REFLECTS_LIGHTS) && open.any() {
+            let is_first = path.bounces_left.eq(F::U32::splat(wave.context.quality.surfaces()));
             for index in 0..wave.context.lights.requests().len() {
                 let request = wave.context.lights.requests()[index];
-                self.sample_light(wave, &bsdf, (&request, index), open, last);
+                let takers = open & request.takers(is_first);
+                if takers.any() {
+                    self.sample_light(wave, &bsdf, (&request, index), takers, last);
+                }
             }
         }
         self.continue_paths(wave, &bsdf, visible, last);

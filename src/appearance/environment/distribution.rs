@@ -21,6 +21,8 @@ pub struct EnvironmentDistribution {
     columns: Borders,
     /// Heights of the borders between rows, from -1 to 1.
     heights: Borders,
+    /// The mean luminance of all directions.
+    mean: f64,
 }
 
 /// Maximum columns and rows.
@@ -68,7 +70,13 @@ impl EnvironmentDistribution {
                 cells.chunks_exact(width).map(|row| cumulative(row.iter().copied()).collect()),
             ),
             heights: Borders::new([heights]),
+            mean: whole,
         })
+    }
+
+    /// The mean luminance of the sky.
+    pub fn mean(&self) -> f64 {
+        self.mean
     }
 
     /// Samples directions in the sky from two numbers in 0..1. Also gives their densities per steradian.

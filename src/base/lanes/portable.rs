@@ -304,6 +304,11 @@ impl Single for F32x8 {
     type F64 = F64x8;
 
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.each(self, |a, _| a.sqrt())
+    }
+
+    #[inline(always)]
     fn abs(self) -> Self {
         self.each(self, |a, _| a.abs())
     }

@@ -164,6 +164,11 @@ impl Single for f32 {
     type F64 = f64;
 
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        f32::sqrt(self)
+    }
+
+    #[inline(always)]
     fn abs(self) -> Self {
         f32::abs(self)
     }

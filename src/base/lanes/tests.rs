@@ -56,6 +56,7 @@ fn everything<F: Real>(a: F, b: F) -> Results {
         s * t,
         s / t,
         -s,
+        s.sqrt(),
         s.abs(),
         s.max(t),
         s.min(t),

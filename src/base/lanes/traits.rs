@@ -107,6 +107,7 @@ pub trait Single:
 {
     type F64;
 
+    fn sqrt(self) -> Self;
     fn abs(self) -> Self;
     /// The larger of each; `other` if one is not a number.
     fn max(self, other: Self) -> Self;

@@ -15,8 +15,8 @@ const LEAF: f64 = 8.0;
 /// first.
 const DEAR: f64 = 128.0;
 
-/// The time of testing a primitive with eight rays, in thirds of that of a sphere. Fitted to forty small scenes, rendered
-/// with and without a tree.
+/// The time of testing a primitive with eight rays, in thirds of that of a sphere. Fitted to forty small scenes,
+/// rendered with and without a tree.
 pub fn cost(primitive: &Primitive) -> f64 {
     match (&primitive.shape, &primitive.transform) {
         (Shape::Sphere(_), None) => 3.0,
@@ -33,10 +33,10 @@ pub fn cost(primitive: &Primitive) -> f64 {
 
 /// Whether eight rays are faster with a tree over `bounded` primitives, whose boxes lie within `all`, than without one.
 ///
-/// Of the rays that meet `all`, the share that meets a box in it is the ratio of the surface areas, as in the surface area
-/// heuristic (MacDonald and Booth 1990). A leaf is left out where all eight rays of a bundle miss it; neighbours in a
-/// picture count as two rays, since most of them meet the same boxes. So small things in the open have a tree from four
-/// boxes or a dozen spheres on, and a closed room needs more of them: all rays meet its walls.
+/// Of the rays that meet `all`, the share that meets a box in it is the ratio of the surface areas, as in the surface
+/// area heuristic (MacDonald and Booth 1990). A leaf is left out where all eight rays of a bundle miss it; neighbours in
+/// a picture count as two rays, since most of them meet the same boxes. So small things in the open have a tree from
+/// four boxes or a dozen spheres on, and a closed room needs more of them: all rays meet its walls.
 pub fn pays<'a>(
     bounded: impl Iterator<Item = (&'a Primitive, Aabb)>,
     all: Aabb,

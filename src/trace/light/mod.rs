@@ -8,13 +8,17 @@ mod area_table;
 mod discrete_distribution;
 mod emission;
 mod evaluate;
+mod importance;
 mod punctual;
 mod sampled_emitter;
 mod sampler;
+mod source_choice;
+mod source_group;
 mod sky;
 
 pub use evaluate::emitted_radiance;
-pub use sampler::{LightRequest, LightSampler};
+pub use sampler::{LightSampler, Scattering};
+pub use source_group::LightRequest;
 
 use super::spawn::{spawn, spawn_lifted};
 use crate::base::lanes::{Color, Mask, Real, Select, Vec3};

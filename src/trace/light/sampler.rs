@@ -1,11 +1,10 @@
 //! Light sources for next-event estimation: lights, objects that emit, and skies of images. They are grouped by layer,
 //! so that the samples of one layer never depend on another.
 
-use super::area_table::AreaTable;
-use super::discrete_distribution::DiscreteDistribution;
 use super::emission::emission;
 use super::evaluate::sample_light;
 use super::sampled_emitter::{SampledEmitter, sources};
+use super::source_group::{GroupChoice, LightRequest, RequestedSource, SourceGroup};
 use super::{LightSample, Receiver, sky};
 use crate::appearance::environment::{Environment, EnvironmentDistribution};
 use crate::appearance::texture::TextureInputs;
@@ -15,116 +14,63 @@ use crate::film::LayerId;
 use crate::geometry::shape::LaneSurface;
 use crate::scene::{Finish, Scene};
 
-/// The most sources of a layer that are all sampled at every surface. If a layer has more, one of them is chosen.
-const MAX_SAMPLED: usize = 8;
-
-struct SourceGroup<'a> {
-    layer: LayerId,
-    members: Vec<SampledEmitter<'a>>,
-    /// How one of the members is chosen; `None` if all are sampled.
-    choice: Option<SourceChoice>,
-}
-
-struct SourceChoice {
-    distribution: DiscreteDistribution,
-    /// The members that lanes sample together.
-    areas: AreaTable,
-}
-
-/// A light sample that every surface takes.
-#[derive(Clone, Copy, Debug)]
-pub struct LightRequest {
-    pub layer: LayerId,
-    /// Separates its random numbers from those of other requests.
-    pub number: u32,
-    group: usize,
-    /// The member; `None` if one is chosen at random.
-    member: Option<usize>,
-    /// Whether the sample is random: the source has several directions, or is chosen among several.
-    pub is_sampled: bool,
-    /// Whether some source casts no shadows.
-    pub some_unshadowed: bool,
-}
-
-impl LightRequest {
-    /// Whether one of many sources is chosen.
-    pub fn is_choice(&self) -> bool {
-        self.member.is_none()
-    }
-}
-
 /// Chooses and samples the light sources of a scene, layer by layer.
 pub struct LightSampler<'a> {
     scene: &'a Scene<'a>,
     environment: Option<&'a Environment>,
     groups: Vec<SourceGroup<'a>>,
     requests: Vec<LightRequest>,
-    /// For each light, the probability of sampling it, if it is a source.
-    lights: Vec<Option<f64>>,
-    /// The primitives that emit and are sampled, ascending, each with its probability.
-    objects: Vec<(u32, f64)>,
-    sky: Option<(&'a EnvironmentDistribution, f64)>,
+    /// For each light, its place, if it is a source.
+    lights: Vec<Option<SourcePlace>>,
+    /// The primitives that emit and are sampled, ascending, each with its place.
+    objects: Vec<(u32, SourcePlace)>,
+    sky: Option<(&'a EnvironmentDistribution, SourcePlace)>,
+}
+
+/// A group and a member of it.
+#[derive(Clone, Copy, Debug)]
+struct SourcePlace {
+    group: usize,
+    member: usize,
 }
 
 impl<'a> LightSampler<'a> {
     pub fn new(scene: &'a Scene<'a>, environment: Option<&'a Environment>, emitters: bool) -> Self {
-        let mut groups: Vec<SourceGroup<'a>> = Vec::new();
+        let mut layers: Vec<(LayerId, Vec<SampledEmitter<'a>>)> = Vec::new();
         for (layer, emitter) in sources(scene, environment, emitters) {
-            match groups.iter_mut().find(|group| group.layer == layer) {
-                Some(group) => group.members.push(emitter),
-                None => groups.push(SourceGroup { layer, members: vec![emitter], choice: None }),
+            match layers.iter_mut().find(|(of, _)| *of == layer) {
+                Some((_, members)) => members.push(emitter),
+                None => layers.push((layer, vec![emitter])),
             }
         }
+        // Whitted's surfaces sample every light.
+        let groups =
+            layers.into_iter().map(|(layer, members)| SourceGroup::new(layer, members, scene, emitters));
+        let groups: Vec<SourceGroup> = groups.collect();
+        let requests = groups.iter().enumerate().flat_map(|(index, group)| group.requests(index)).collect();
         let lights = vec![None; scene.shading.lights.len()];
-        let (requests, objects) = (Vec::new(), Vec::new());
-        let mut all = Self { scene, environment, groups, requests, lights, objects, sky: None };
-        all.add_requests(emitters);
+        let mut all = Self { scene, environment, groups, requests, lights, objects: Vec::new(), sky: None };
+        all.add_places();
         all
     }
 
-    /// Builds the requests and the probabilities of sources. Without `choice`, every light is sampled.
-    fn add_requests(&mut self, choice: bool) {
-        let scene = self.scene;
-        for (index, group) in self.groups.iter_mut().enumerate() {
-            let first = group.layer.0.wrapping_mul(2 * MAX_SAMPLED as u32);
-            let request = |member: Option<usize>, number: u32, is_sampled: bool| LightRequest {
-                layer: group.layer,
-                number: first.wrapping_add(number),
-                group: index,
-                member,
-                is_sampled,
-                some_unshadowed: false,
-            };
-            if choice && group.members.len() > MAX_SAMPLED {
-                let powers = group.members.iter().map(|member| member.power(scene));
-                let some_unshadowed = !group.members.iter().all(SampledEmitter::casts_shadows);
-                let request = request(None, MAX_SAMPLED as u32, true);
-                self.requests.push(LightRequest { some_unshadowed, ..request });
-                let distribution = DiscreteDistribution::of(powers);
-                group.choice =
-                    Some(SourceChoice { distribution, areas: AreaTable::new(&group.members, scene) });
-            } else {
-                for (member, source) in group.members.iter().enumerate() {
-                    let some_unshadowed = !source.casts_shadows();
-                    let request = request(Some(member), member as u32, source.is_sampled());
-                    self.requests.push(LightRequest { some_unshadowed, ..request });
-                }
-            }
-            for (index, member) in group.members.iter().enumerate() {
-                let chance =
-                    group.choice.as_ref().map_or(1.0, |choice| choice.distribution.probabilities[index]);
-                match member {
-                    SampledEmitter::Light(light, _) => self.lights[*light as usize] = Some(chance),
-                    SampledEmitter::Object(primitive, _) => self.objects.push((*primitive, chance)),
-                    SampledEmitter::Sky(table) => self.sky = Some((table, chance)),
+    /// Adds the places of all sources.
+    fn add_places(&mut self) {
+        for (index, group) in self.groups.iter().enumerate() {
+            for (member, source) in group.members.iter().enumerate() {
+                let place = SourcePlace { group: index, member };
+                match source {
+                    SampledEmitter::Light(light, _) => self.lights[*light as usize] = Some(place),
+                    SampledEmitter::Object(primitive, _) => self.objects.push((*primitive, place)),
+                    SampledEmitter::Sky(table) => self.sky = Some((table, place)),
                 }
             }
         }
         self.objects.sort_unstable_by_key(|(primitive, _)| *primitive);
     }
 
-    /// The probability of sampling a primitive; none if it is not a source.
-    fn chance(&self, primitive: u32) -> Option<f64> {
+    /// The place of a primitive among the sources; none if it is not one.
+    fn place(&self, primitive: u32) -> Option<SourcePlace> {
         match self.scene.geometry.finishes()[primitive as usize] {
             Finish::Light(light) => self.lights[light as usize],
             Finish::Material(_) => {
@@ -133,6 +79,12 @@ impl<'a> LightSampler<'a> {
             }
             Finish::Empty => None,
         }
+    }
+
+    /// How many samples of a source surfaces at points may expect.
+    #[inline(always)]
+    fn expected<F: Real>(&self, place: SourcePlace, from: &Scattering<F>) -> F {
+        self.groups[place.group].expected(place.member, from.point, from.is_first)
     }
 
     /// All light samples of a surface, in a fixed order.
@@ -156,7 +108,7 @@ impl<'a> LightSampler<'a> {
         };
         let mut finishes = (0..).zip(geometry.finishes());
         geometry.materials().any(emits)
-            && finishes.any(|(index, of)| of.materials().any(emits) && self.chance(index).is_none())
+            && finishes.any(|(index, of)| of.materials().any(emits) && self.place(index).is_none())
     }
 
     /// Whether the sky is sampled.
@@ -208,12 +160,12 @@ impl<'a> LightSampler<'a> {
         LightSample::from_surface(at, &surface, emission, pdf)
     }
 
-    /// The density per steradian of sampling points of primitives `from` points, in the lanes of a mask. It is 0 for
-    /// primitives that are not sampled.
+    /// The density per steradian of sampling points of primitives from where paths were scattered, in the lanes of a
+    /// mask. It is 0 for primitives that are not sampled.
     #[inline(always)]
     pub fn pdf_of_hit<F: Real>(
         &self,
-        from: Vec3<F>,
+        from: Scattering<F>,
         primitives: F::U32,
         surface: &LaneSurface<F>,
         wanted: F::Mask,
@@ -223,12 +175,22 @@ impl<'a> LightSampler<'a> {
 
     /// The density per steradian of sampling the sky in directions. It is 0 if the sky is not sampled.
     #[inline(always)]
-    pub fn pdf_of_sky<F: Real>(&self, direction: Vec3<F>) -> F {
+    pub fn pdf_of_sky<F: Real>(&self, from: Scattering<F>, direction: Vec3<F>) -> F {
         match self.sky.zip(self.environment) {
-            Some(((table, chance), environment)) => environment.pdf(table, direction) * F::splat(chance),
+            Some(((table, place), environment)) => {
+                environment.pdf(table, direction) * self.expected(place, &from)
+            }
             None => F::splat(0.0),
         }
     }
+}
+
+/// Where paths were scattered last.
+#[derive(Clone, Copy)]
+pub struct Scattering<F: Real> {
+    pub point: Vec3<F>,
+    /// The lanes in which that was at the first surface.
+    pub is_first: F::Mask,
 }
 
 out_of_line! {
@@ -239,12 +201,15 @@ out_of_line! {
         u: [F; 2],
         choice: F,
     ) -> LightSample<F> {
-        let SourceGroup { members, choice: among, .. } = &sampler.groups[request.group];
-        if let Some(member) = request.member {
-            return sampler.sample_emitter(&members[member], at, u);
-        }
-        let Some(SourceChoice { distribution, areas }) = among else { return LightSample::none() };
-        let (chosen, chance) = distribution.sample(choice);
+        let SourceGroup { members, choice: chosen, .. } = &sampler.groups[request.group];
+        let (number, count) = match request.source {
+            RequestedSource::Member(member) => return sampler.sample_emitter(&members[member], at, u),
+            RequestedSource::Chosen(number, count) => (number as f64, count as f64),
+        };
+        let Some(GroupChoice { among, areas, .. }) = chosen else { return LightSample::none() };
+        // The numbers of all samples of a surface are evenly spaced.
+        let choice = choice + F::splat(number / count);
+        let (chosen, chance) = among.choose(at.point, choice - choice.floor());
         let (mut sample, known) = areas.sample(chosen, at, u);
         let (indices, mut rest) = (chosen.to_array(), ((1u32 << F::LANES) - 1) & !known.bits());
         while rest != 0 {
@@ -254,14 +219,14 @@ out_of_line! {
             sample = LightSample::select(same, drawn, sample);
             rest &= !same.bits();
         }
-        sample.with_chance(chance)
+        sample.with_chance(chance * F::splat(count))
     }
 }
 
 out_of_line! {
     fn pdf_of_hit<'k, F>(
         sampler: &'k LightSampler<'k>,
-        from: Vec3<F>,
+        from: Scattering<F>,
         primitives: F::U32,
         surface: &'k LaneSurface<F>,
         wanted: F::Mask,
@@ -272,9 +237,9 @@ out_of_line! {
             let index = indices[rest.trailing_zeros() as usize];
             let same = primitives.eq(F::U32::splat(index));
             rest &= !same.bits();
-            if let Some(chance) = sampler.chance(index) {
+            if let Some(place) = sampler.place(index) {
                 let primitive = &sampler.scene.geometry.primitives[index as usize];
-                let found = primitive.pdf_from(from, surface) * F::splat(chance);
+                let found = primitive.pdf_from(from.point, surface) * sampler.expected(place, &from);
                 pdf = F::select(same, found, pdf);
             }
         }
