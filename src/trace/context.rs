@@ -177,10 +177,11 @@ impl<'a> TraceContext<'a> {
         }
     }
 
-    /// Where paths were scattered last. The scattering has taken one of their bounces.
+    /// Where paths were scattered last: at the first surface, if only one bounce is gone. Mirrors and boundaries behind
+    /// it take bounces, too; but then the light that paths hit has a weight that no density changes.
     #[inline(always)]
     pub fn scattering<F: Real>(&self, path: &PathState<F>) -> Scattering<F> {
-        let is_first = path.bounces_left.eq(F::U32::splat(self.quality.surfaces().wrapping_sub(1)));
+        let is_first = path.bounces_left.eq(F::U32::splat(self.quality.bounces));
         Scattering { point: path.scattered_at, is_first }
     }
 

@@ -43,9 +43,13 @@ impl Aabb {
         self.min * 0.5 + self.max * 0.5
     }
 
+    pub fn size(self) -> DVec3 {
+        self.max - self.min
+    }
+
     /// The surface area.
     pub fn area(self) -> f64 {
-        let side = self.max - self.min;
+        let side = self.size();
         2.0 * (side.x * side.y + side.y * side.z + side.z * side.x)
     }
 

@@ -96,10 +96,10 @@ impl Bvh {
         Self { reach: self.reach, seen, ..part }
     }
 
-    fn rebuilt(mut self, geometry: &Geometry) -> Self {
-        self = self.build_for(geometry, None);
-        self.update_seen(geometry);
-        self
+    fn rebuilt(self, geometry: &Geometry) -> Self {
+        let mut all = self.build_for(geometry, None);
+        all.update_seen(geometry);
+        all
     }
 
     /// The tree that rays of a kind search.
@@ -138,11 +138,11 @@ impl Bvh {
         let (mut tree, mut leaves) = Default::default();
         let extents = Extents::new(&geometry.primitives);
         let primitives = bounded.iter().map(|index| &geometry.primitives[*index as usize]);
-        let has_tree = extents
+        let needs_tree = extents
             .all()
             .bounds()
             .is_some_and(|all| pays(primitives.zip(boxes.iter().copied()), all, self.coherence));
-        if has_tree {
+        if needs_tree {
             (tree, leaves) = Tree::of_boxes(&boxes);
         } else {
             for index in bounded.drain(..) {

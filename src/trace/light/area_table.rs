@@ -1,4 +1,4 @@
-//! Many sources with an area: each lane samples the one that it has chosen.
+//! Several sources with an area: each lane samples the one that it has chosen.
 
 use super::evaluate::per_area;
 use super::sampled_emitter::SampledEmitter;

@@ -25,14 +25,14 @@ pub enum Importance {
         center: DVec3,
         /// The power over π that is seen from far away, at its brightest.
         brightness: f64,
-        /// The least square of a distance. The estimate is the same nearer to the centre.
-        least: f64,
+        /// The least square of the distance. Nearer to the centre, it is this.
+        least_square: f64,
         facing: Facing,
     },
 }
 
 /// The directions in which areas emit.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Facing {
     All,
     /// To the side of the normal of a plane.
@@ -55,9 +55,9 @@ impl Importance {
                         Self::Point { position, attenuation, brightness, cone: Some(cone) }
                     }
                     Source::Sphere(sphere) => {
-                        let least = sphere.radius * sphere.radius;
-                        let brightness = brightness * least;
-                        Self::Area { center: sphere.center, brightness, least, facing: Facing::All }
+                        let least_square = sphere.radius * sphere.radius;
+                        let brightness = brightness * least_square;
+                        Self::Area { center: sphere.center, brightness, least_square, facing: Facing::All }
                     }
                     Source::Rectangle { rectangle, one_sided } => {
                         Self::flat(&rectangle, brightness, one_sided)
@@ -69,12 +69,13 @@ impl Importance {
                 let emission = primitive.material(0).map_or(0.0, |material| {
                     brightness(scene.shading.materials[material as usize].lobes.emission)
                 });
+                // What has an area has bounds.
                 let bounds = primitive.bounds().unwrap_or(Aabb { min: DVec3::ZERO, max: DVec3::ZERO });
                 Self::Area {
                     center: bounds.center(),
                     // What convex surfaces show on average is a quarter of their area (Cauchy).
                     brightness: emission * bounds.area() / (4.0 * PI),
-                    least: 0.25 * (bounds.max - bounds.min).length_squared(),
+                    least_square: 0.25 * bounds.size().length_squared(),
                     facing: Facing::All,
                 }
             }
@@ -85,18 +86,54 @@ impl Importance {
         }
     }
 
+    /// Where the source is; none if it gives the same everywhere.
+    pub fn place(&self) -> Option<DVec3> {
+        match self {
+            Self::Distant(_) => None,
+            Self::Point { attenuation, cone: None, .. } if attenuation.is_constant() => None,
+            Self::Point { position, .. } => Some(*position),
+            Self::Area { center, .. } => Some(*center),
+        }
+    }
+
+    /// What it may give at a distance, times the square of the distance.
+    pub fn brightness_from(&self, distance: f64) -> f64 {
+        let square = distance * distance;
+        match self {
+            Self::Distant(brightness) => brightness * square,
+            Self::Point { attenuation, brightness, .. } => brightness * attenuation.share(distance) * square,
+            Self::Area { brightness, least_square, .. } => brightness * (square / least_square).min(1.0),
+        }
+    }
+
+    /// The least square of the distance: nearer to the source, it gives the same.
+    pub fn least_square(&self) -> f64 {
+        match self {
+            Self::Distant(_) | Self::Point { .. } => 0.0,
+            Self::Area { least_square, .. } => *least_square,
+        }
+    }
+
+    /// The directions in which it emits, but for cones.
+    pub fn facing(&self) -> Facing {
+        match self {
+            Self::Distant(_) | Self::Point { .. } => Facing::All,
+            Self::Area { facing, .. } => *facing,
+        }
+    }
+
     fn flat(rectangle: &Rectangle, brightness: f64, one_sided: bool) -> Self {
         let Rectangle { corner, u, v } = *rectangle;
         let normal = rectangle.normal();
         Self::Area {
             center: corner + 0.5 * (u + v),
             brightness: brightness * u.cross(v).length() / PI,
-            least: 0.25 * (u + v).length_squared().min((u - v).length_squared()),
+            least_square: 0.25 * (u + v).length_squared().min((u - v).length_squared()),
             facing: if one_sided { Facing::Front(normal) } else { Facing::Both(normal) },
         }
     }
 
-    /// The estimates at points, of the precision of f32.
+    /// The estimates at points. Those of areas have the precision and the range of f32.
     #[inline(always)]
     pub fn at<F: Real>(&self, point: Vec3<F>) -> F {
         let zero = F::F32::splat(0.0);
@@ -113,9 +150,9 @@ impl Importance {
                     None => share,
                 }
             }
-            Self::Area { center, brightness, least, facing } => {
+            Self::Area { center, brightness, least_square, facing } => {
                 let way = point - Vec3::splat(*center);
-                let square = way.dot(way).max(F::splat(*least)).to_f32();
+                let square = way.dot(way).max(F::splat(*least_square)).to_f32();
                 let light = F::F32::splat(*brightness as f32) / square;
                 let light = match facing {
                     Facing::All => light,

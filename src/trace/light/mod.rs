@@ -5,7 +5,7 @@
 
 mod area;
 mod area_table;
-mod discrete_distribution;
+mod cluster;
 mod emission;
 mod evaluate;
 mod importance;

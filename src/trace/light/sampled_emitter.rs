@@ -1,14 +1,13 @@
 //! Sources of light that can be sampled.
 
 use crate::appearance::environment::{Environment, EnvironmentDistribution};
-use crate::appearance::light::{Light, Source};
+use crate::appearance::light::Light;
 use crate::appearance::material::MaterialBinding;
 use crate::appearance::texture::TextureInputs;
 use crate::base::color::Rgb;
 use crate::film::LayerId;
 use crate::geometry::ray_kinds::RayKind;
 use crate::scene::{Finish, Scene};
-use std::f64::consts::PI;
 
 /// A source of light.
 #[derive(Clone, Copy, Debug)]
@@ -34,28 +33,6 @@ impl SampledEmitter<'_> {
         match self {
             Self::Light(_, light) => light.shadows,
             Self::Object(..) | Self::Sky(_) => true,
-        }
-    }
-
-    /// The approximate power, used only to choose among many sources.
-    pub(super) fn power(&self, scene: &Scene) -> f64 {
-        let brightness = |color: Rgb| f64::from(color.element_sum());
-        match self {
-            Self::Light(_, light) => {
-                let area = match &light.source {
-                    Source::Sphere(sphere) => 4.0 * PI * sphere.radius * sphere.radius,
-                    Source::Rectangle { rectangle, .. } => rectangle.u.cross(rectangle.v).length(),
-                    Source::Point { .. } | Source::Spot { .. } | Source::Directional { .. } => 1.0,
-                };
-                brightness(light.radiance) * area
-            }
-            Self::Object(index, _) => {
-                let primitive = &scene.geometry.primitives[*index as usize];
-                let Some(material) = primitive.material(0) else { return 0.0 };
-                let emission = scene.shading.materials[material as usize].lobes.emission;
-                brightness(emission) * primitive.bounds().map_or(0.0, |bounds| bounds.area())
-            }
-            Self::Sky(_) => 1.0,
         }
     }
 }

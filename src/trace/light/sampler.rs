@@ -116,7 +116,7 @@ impl<'a> LightSampler<'a> {
         self.sky.is_some()
     }
 
-    /// Samples light at points, from two numbers in 0..1 and one that chooses among many sources.
+    /// Samples light at points, from two numbers in 0..1 and one that chooses among several sources.
     #[inline(always)]
     pub fn sample<F: Real>(
         &self,
@@ -201,12 +201,12 @@ out_of_line! {
         u: [F; 2],
         choice: F,
     ) -> LightSample<F> {
-        let SourceGroup { members, choice: chosen, .. } = &sampler.groups[request.group];
+        let SourceGroup { members, choice: group_choice, .. } = &sampler.groups[request.group];
         let (number, count) = match request.source {
             RequestedSource::Member(member) => return sampler.sample_emitter(&members[member], at, u),
             RequestedSource::Chosen(number, count) => (number as f64, count as f64),
         };
-        let Some(GroupChoice { among, areas, .. }) = chosen else { return LightSample::none() };
+        let Some(GroupChoice { among, areas }) = group_choice else { return LightSample::none() };
         // The numbers of all samples of a surface are evenly spaced.
         let choice = choice + F::splat(number / count);
         let (chosen, chance) = among.choose(at.point, choice - choice.floor());

@@ -7,8 +7,11 @@ use crate::base::lanes::{Mask, Real, Vec3};
 use crate::film::LayerId;
 use crate::scene::Scene;
 
-/// The most sources of a layer that may all be sampled at a surface.
+/// The most sources of a layer that paths may all sample at a surface.
 const MAX_SAMPLED: usize = 8;
+
+/// So few sources are all sampled everywhere, if some of them have no noise of their own.
+const FEW: usize = 4;
 
 /// How many numbers separate the requests of a layer.
 const REQUESTS: u32 = 2 * MAX_SAMPLED as u32;
@@ -17,16 +20,24 @@ const REQUESTS: u32 = 2 * MAX_SAMPLED as u32;
 pub struct SourceGroup<'a> {
     pub layer: LayerId,
     pub members: Vec<SampledEmitter<'a>>,
+    /// What the first surface of a path samples, and what each later one.
+    taken: [Taken; 2],
     /// How members are chosen; `None` if all are sampled everywhere.
     pub choice: Option<GroupChoice>,
+}
+
+/// The sources that a surface samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Taken {
+    All,
+    /// So many, chosen at random, fewer than all.
+    Chosen(usize),
 }
 
 pub struct GroupChoice {
     pub among: SourceChoice,
     /// The members that lanes sample together.
     pub areas: AreaTable,
-    /// The samples of the first surface of a path, and of each later one.
-    samples: [usize; 2],
 }
 
 /// A light sample that surfaces take.
@@ -70,52 +81,48 @@ impl LightRequest {
 impl<'a> SourceGroup<'a> {
     /// The sources of a layer. Without `choice`, each is sampled everywhere.
     pub fn new(layer: LayerId, members: Vec<SampledEmitter<'a>>, scene: &Scene, choice: bool) -> Self {
-        let samples = samples_of(&members);
-        let has_choice = choice && samples.iter().any(|samples| *samples < members.len());
-        let choice = has_choice.then(|| GroupChoice {
+        let taken = if choice { taken(&members) } else { [Taken::All; 2] };
+        let choice = (taken != [Taken::All; 2]).then(|| GroupChoice {
             among: SourceChoice::new(&members, scene),
             areas: AreaTable::new(&members, scene),
-            samples,
         });
-        Self { layer, members, choice }
+        Self { layer, members, taken, choice }
     }
 
     /// What the surfaces take of the group of this index.
     pub fn requests(&self, index: usize) -> Vec<LightRequest> {
-        let (members, mut requests) = (&self.members, Vec::new());
-        let mut add = |number: usize, source: RequestedSource, takes: [bool; 2]| {
-            let (is_sampled, casts_shadows) = match source {
-                RequestedSource::Member(member) => {
-                    (members[member].is_sampled(), members[member].casts_shadows())
-                }
-                RequestedSource::Chosen(..) => (true, members.iter().all(SampledEmitter::casts_shadows)),
+        let [first, later] = self.taken;
+        let kinds = match first == later {
+            true => vec![(first, [true; 2])],
+            false => vec![(first, [true, false]), (later, [false, true])],
+        };
+        let all_cast_shadows = self.members.iter().all(SampledEmitter::casts_shadows);
+        let mut requests = Vec::new();
+        for (taken, takes) in kinds {
+            let mut add = |number: usize, source: RequestedSource, is_sampled: bool, casts_shadows: bool| {
+                requests.push(LightRequest {
+                    layer: self.layer,
+                    number: self.layer.0.wrapping_mul(REQUESTS).wrapping_add(number as u32),
+                    group: index,
+                    source,
+                    takes,
+                    is_sampled,
+                    some_unshadowed: !casts_shadows,
+                });
             };
-            requests.push(LightRequest {
-                layer: self.layer,
-                number: self.layer.0.wrapping_mul(REQUESTS).wrapping_add(number as u32),
-                group: index,
-                source,
-                takes,
-                is_sampled,
-                some_unshadowed: !casts_shadows,
-            });
-        };
-        let samples = self.choice.as_ref().map_or([members.len(); 2], |choice| choice.samples);
-        let takes_all = samples.map(|samples| members.len() <= samples);
-        if takes_all != [false; 2] {
-            (0..members.len()).for_each(|member| add(member, RequestedSource::Member(member), takes_all));
-        }
-        let [first, later] = samples;
-        let chosen = match takes_all {
-            [true, true] => vec![],
-            [true, false] => vec![(later, [false, true])],
-            [false, true] => vec![(first, [true, false])],
-            [false, false] if first == later => vec![(first, [true; 2])],
-            [false, false] => vec![(first, [true, false]), (later, [false, true])],
-        };
-        for (samples, takes) in chosen {
-            for number in 0..samples {
-                add(MAX_SAMPLED + number, RequestedSource::Chosen(number, samples), takes);
+            match taken {
+                Taken::All => {
+                    for (number, member) in self.members.iter().enumerate() {
+                        let source = RequestedSource::Member(number);
+                        add(number, source, member.is_sampled(), member.casts_shadows());
+                    }
+                }
+                Taken::Chosen(count) => {
+                    for number in 0..count {
+                        let source = RequestedSource::Chosen(number, count);
+                        add(MAX_SAMPLED + number, source, true, all_cast_shadows);
+                    }
+                }
             }
         }
         requests
@@ -126,22 +133,27 @@ impl<'a> SourceGroup<'a> {
     #[inline(always)]
     pub fn expected<F: Real>(&self, member: usize, at: Vec3<F>, is_first: F::Mask) -> F {
         let one = F::splat(1.0);
-        let Some(GroupChoice { among, samples: [first, later], .. }) = &self.choice else { return one };
-        let (count, chance) = (self.members.len(), among.chance(member, at));
-        let first = if *first < count { chance * F::splat(*first as f64) } else { one };
-        let later = if *later < count { chance * F::splat(*later as f64) } else { one };
-        F::select(is_first, first, later)
+        let Some(GroupChoice { among, .. }) = &self.choice else { return one };
+        let (chance, mut counts) = (among.chance(member, at), [one; 2]);
+        for (count, taken) in counts.iter_mut().zip(&self.taken) {
+            if let Taken::Chosen(chosen) = taken {
+                *count = chance * F::splat(*chosen as f64);
+            }
+        }
+        F::select(is_first, counts[0], counts[1])
     }
 }
 
-/// How many light samples the first surface of a path takes from these sources, and how many each later one. If they
-/// are no more than that, each is sampled once. What is seen directly shows the noise of a choice most, above all that
-/// of sources whose light would have none.
-fn samples_of(sources: &[SampledEmitter]) -> [usize; 2] {
-    let first = match sources.len() {
-        count if count > MAX_SAMPLED => 1,
-        count if !sources.iter().all(SampledEmitter::is_sampled) => count,
-        _ => 2,
-    };
-    [first, 1]
+/// What the first surface of a path samples of these sources, and what each later one. Noise of a choice shows most in what
+/// is seen directly, and where the sources, such as points, would give light without noise.
+fn taken(sources: &[SampledEmitter]) -> [Taken; 2] {
+    let some_have_none = !sources.iter().all(SampledEmitter::is_sampled);
+    match sources.len() {
+        0..=1 => [Taken::All; 2],
+        2..=FEW if some_have_none => [Taken::All; 2],
+        2 => [Taken::All, Taken::Chosen(1)],
+        3..=MAX_SAMPLED if some_have_none => [Taken::All, Taken::Chosen(1)],
+        3..=MAX_SAMPLED => [Taken::Chosen(2), Taken::Chosen(1)],
+        _ => [Taken::Chosen(1); 2],
+    }
 }
