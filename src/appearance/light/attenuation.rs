@@ -26,16 +26,11 @@ impl Default for Attenuation {
 
 #[warn(missing_docs)]
 impl Attenuation {
-    /// Whether all distances are alike.
-    pub fn is_constant(&self) -> bool {
-        self.linear == 0.0 && self.quadratic == 0.0
-    }
-
     /// The fraction that arrives at a distance.
     #[inline(always)]
     pub fn share<F: Real>(&self, distance: F) -> F {
         let one = F::splat(1.0);
-        if self.is_constant() {
+        if self.linear == 0.0 && self.quadratic == 0.0 {
             return F::splat(if self.constant <= 1.0 { 1.0 } else { 1.0 / self.constant });
         }
         let fading = distance * (F::splat(self.linear) + distance * F::splat(self.quadratic));

@@ -86,29 +86,31 @@ impl Importance {
         }
     }
 
-    /// Where the source is; none if it gives the same everywhere.
+    /// Where the source is, if its light falls with the square of the distance.
     pub fn place(&self) -> Option<DVec3> {
         match self {
-            Self::Distant(_) => None,
-            Self::Point { attenuation, cone: None, .. } if attenuation.is_constant() => None,
-            Self::Point { position, .. } => Some(*position),
+            Self::Point { position, attenuation, .. } if attenuation.quadratic > 0.0 => Some(*position),
+            Self::Distant(_) | Self::Point { .. } => None,
             Self::Area { center, .. } => Some(*center),
         }
     }
 
-    /// What it may give at a distance, times the square of the distance.
-    pub fn brightness_from(&self, distance: f64) -> f64 {
-        let square = distance * distance;
+    /// What it may give far away: times the square of the distance, if its light falls with that.
+    pub fn far_light(&self) -> f64 {
         match self {
-            Self::Distant(brightness) => brightness * square,
-            Self::Point { attenuation, brightness, .. } => brightness * attenuation.share(distance) * square,
-            Self::Area { brightness, least_square, .. } => brightness * (square / least_square).min(1.0),
+            Self::Point { attenuation, brightness, .. } if attenuation.quadratic > 0.0 => {
+                brightness / attenuation.quadratic
+            }
+            Self::Distant(brightness) | Self::Point { brightness, .. } | Self::Area { brightness, .. } => {
+                *brightness
+            }
         }
     }
 
-    /// The least square of the distance: nearer to the source, it gives the same.
+    /// The square of the distance below which it gives no more.
     pub fn least_square(&self) -> f64 {
         match self {
+            Self::Point { attenuation, .. } if attenuation.quadratic > 0.0 => 1.0 / attenuation.quadratic,
             Self::Distant(_) | Self::Point { .. } => 0.0,
             Self::Area { least_square, .. } => *least_square,
         }

@@ -7,14 +7,14 @@ use crate::base::lanes::{Mask, Real, Row, Select, Vec3};
 use crate::scene::Scene;
 
 /// The most sources that are weighed one by one at every point.
-const MOST: usize = 32;
+const MOST: usize = 64;
 
 /// So many clusters are weighed of more sources: more take more time than less noise is worth. Up to so many weights also
 /// fit into less memory.
 const CLUSTERS: usize = 16;
 
-/// The share of choices in which all sources are alike. So none is chosen much less often than it gives light, whatever
-/// the estimate leaves out, such as shadows.
+/// The share of choices in which all sources are alike: of clusters, all clusters, and all sources of each. So none is chosen
+/// much less often than it gives light, whatever the estimate leaves out, such as shadows.
 const EVEN_SHARE: f64 = 0.1;
 
 /// Probabilities of several sources.
@@ -32,7 +32,7 @@ struct Clustered {
     /// Where each cluster begins there, and the end.
     starts: Vec<usize>,
     /// For each source, its cluster and its probability in it.
-    places: Vec<(usize, f64)>,
+    of_source: Vec<(usize, f64)>,
 }
 
 impl SourceChoice {
@@ -67,7 +67,7 @@ impl SourceChoice {
     pub fn chance<F: Real>(&self, source: usize, at: Vec3<F>) -> F {
         let (cluster, share) = match &self.clustered {
             None => (source, 1.0),
-            Some(clustered) => clustered.places[source],
+            Some(clustered) => clustered.of_source[source],
         };
         let (mut own, mut whole) = (F::splat(0.0), F::splat(0.0));
         for (index, other) in self.weighed.iter().enumerate() {
@@ -83,7 +83,7 @@ impl SourceChoice {
 
 impl Clustered {
     fn new(clusters: &[Cluster], count: usize) -> Self {
-        let mut all = Self { sources: Vec::new(), starts: vec![0], places: vec![(0, 0.0); count] };
+        let mut all = Self { sources: Vec::new(), starts: vec![0], of_source: vec![(0, 0.0); count] };
         for (index, Cluster { members, .. }) in clusters.iter().enumerate() {
             let weighting = Weighting::new(members.iter().map(|(_, share)| share).sum(), members.len());
             let mut sum = 0.0;
@@ -91,7 +91,7 @@ impl Clustered {
                 let chance = weighting.chance(*share);
                 sum += chance;
                 all.sources.push((*source as u32, sum));
-                all.places[*source] = (index, chance);
+                all.of_source[*source] = (index, chance);
             }
             all.starts.push(all.sources.len());
         }
@@ -110,7 +110,7 @@ impl Clustered {
             let member = members.partition_point(|(_, sum)| *sum <= rest[lane]).min(members.len() - 1);
             let source = members[member].0;
             indices[lane] = source;
-            chances[lane] *= self.places[source as usize].1;
+            chances[lane] *= self.of_source[source as usize].1;
         }
         (F::U32::from_array(indices), F::from_array(chances))
     }
@@ -259,7 +259,7 @@ mod tests {
     #[test]
     fn sources_are_chosen_as_often_as_stated() {
         let mut random = Random(4);
-        for count in [2, 3, 7, 16, 17, 32, 33, 200] {
+        for count in [2, 3, 7, 16, 17, 64, 65, 200] {
             let choice = sources(&mut random, count);
             let least = match count <= MOST {
                 true => EVEN_SHARE / count as f64,
@@ -335,6 +335,29 @@ mod tests {
         }
     }
 
+    /// Lamps that are far away and give next to nothing leave the clusters to those of a room.
+    #[test]
+    fn far_sources_take_few_clusters() {
+        let mut random = Random(2);
+        let lamp = |center: DVec3| Importance::Area {
+            center,
+            brightness: 1.0,
+            least_square: 0.01,
+            facing: Facing::All,
+        };
+        let near: Vec<DVec3> = (0..100).map(|_| random.point(2.0)).collect();
+        let far: Vec<DVec3> = (0..40).map(|_| 1e4 * random.direction()).collect();
+        let choice = of(near.iter().chain(&far).map(|center| lamp(*center)));
+        let mean = |pick: &dyn Fn(usize) -> usize| {
+            let chance = |index: usize| {
+                choice.chance::<f64>(pick(index), Vec3::from(near[index] + DVec3::splat(0.01)))
+            };
+            (0..100).map(chance).sum::<f64>() / 100.0
+        };
+        let (own, other) = (mean(&|index| index), mean(&|index| (index + 50) % 100));
+        assert!(own > 3.0 * other, "{own} {other}");
+    }
+
     /// Many sources, in metres and in millimetres: a point light and an area that give as much light have the same chance
     /// everywhere, whatever the unit of length is.
     #[test]
@@ -343,9 +366,11 @@ mod tests {
             let mut random = Random(9);
             let sources = (0..80).map(|index| {
                 let (position, brightness) = (unit * random.point(3.0), random.unit());
-                let (attenuation, square) = (Attenuation::default(), unit * unit);
-                match index % 2 {
-                    0 => Importance::Point { position, attenuation, brightness, cone: None },
+                let square = unit * unit;
+                let point = |attenuation| Importance::Point { position, attenuation, brightness, cone: None };
+                match index % 4 {
+                    0 => point(Attenuation::default()),
+                    2 => point(Attenuation { constant: 0.0, linear: 0.0, quadratic: 0.5 / square }),
                     _ => Importance::Area {
                         center: position,
                         brightness: 4.0 * square * brightness,
@@ -359,7 +384,7 @@ mod tests {
             (0..80).map(chance).collect::<Vec<f64>>()
         };
         let metres = chances(1.0);
-        let points: f64 = metres.iter().step_by(2).sum();
+        let points: f64 = metres.iter().step_by(4).sum();
         assert!((0.2..0.8).contains(&points), "{points}");
         for unit in [f64::from(1 << 10), f64::from(1 << 20), 1.0 / f64::from(1 << 20)] {
             assert_eq!(chances(unit), metres);
