@@ -9,6 +9,8 @@
 //! thread. True errors are against two long renders with seeds of their own; see [`ReferencePair`]. It prints:
 //!
 //! - the median error of the target's pictures, relative to the mean of the frame, and their samples a pixel;
+//! - the median of the stated error over the true one, and the shares of the seeds whose true error lies in the stated
+//!   interval, and above it;
 //! - the CPU time and the rays of the target, as shares of what the uniform samples of the same median error take.
 //!   Times and errors of uniform samples are interpolated between their numbers on logarithmic axes;
 //! - the error of the worst block of 8 x 8 pixels, as a share of that of uniform samples of the same time;
@@ -20,6 +22,7 @@
 use kinora::accuracy::image_error::ReferencePair;
 use kinora::base::clock::timed;
 use kinora::base::color::Rgb;
+use kinora::film::Noise;
 use kinora::pipeline::schedule::{FilmCollector, FrameLoop};
 use kinora::sequence::quality::{Denoise, NoiseTarget, SampleReuse};
 use kinora::sequence::{Sequence, load};
@@ -61,6 +64,17 @@ struct Picture {
     /// The share of the squared error in the worst hundredth of the pixels.
     worst: f64,
     samples: f64,
+    /// The stated error over the true one, and where the true one lies.
+    stated: f64,
+    place: Place,
+}
+
+/// Where a true error lies beside its stated interval.
+#[derive(Clone, Copy, PartialEq)]
+enum Place {
+    Below,
+    Inside,
+    Above,
 }
 
 /// A frame of a sequence, and what its pictures are compared with.
@@ -81,11 +95,14 @@ fn main() -> Outcome<()> {
     }
     writeln!(
         stdout(),
-        "{:28} {:>6} {:>8} {:>8}   {:>6} {:>6} {:>8}   worst hundredth: target, uniform",
+        "{:28} {:>6} {:>8} {:>8}   {:>6} {:>6} {:>6}   {:>6} {:>6} {:>8}   worst hundredth: target, uniform",
         "frame",
         "target",
         "error",
         "samples",
+        "stated",
+        "inside",
+        "above",
         "time",
         "rays",
         "block"
@@ -143,11 +160,14 @@ fn compare(file: &str, settings: &Settings) -> Outcome<()> {
     let name = Path::new(file).file_stem().unwrap_or_default().to_string_lossy();
     writeln!(
         stdout(),
-        "{:28} {:>5.1}% {:>7.2}% {:>8.1}   {:>6.2} {:>6.2} {:>8.2}   {:>16.0}% {:>8.0}%",
+        "{:28} {:>5.1}% {:>7.2}% {:>8.1}   {:>6.2} {:>5.0}% {:>5.0}%   {:>6.2} {:>6.2} {:>8.2}   {:>16.0}% {:>8.0}%",
         format!("{name}, {}", settings.frame),
         100.0 * settings.noise,
         100.0 * target.error,
         target.samples,
+        target.stated,
+        100.0 * share(&targets, |at| at.place == Place::Inside),
+        100.0 * share(&targets, |at| at.place == Place::Above),
         target.time / at_error(|at| at.time),
         target.rays / at_error(|at| at.rays),
         target.block / at_time(|at| at.block),
@@ -177,7 +197,7 @@ impl<'a> Frame<'a> {
     }
 
     fn picture(&self, noise: Option<NoiseTarget>, samples: u32, seed: u32) -> Outcome<Picture> {
-        let Trace { radiance, samples, time, rays } =
+        let Trace { radiance, noise: stated, time, rays } =
             traced(self.sequence, self.number, self.pool, noise, samples, seed)?;
         let width = self.sequence.output.size.0 as usize;
         let mut squares = self.references.squared_errors(&radiance);
@@ -185,7 +205,21 @@ impl<'a> Frame<'a> {
         let block = worst_block(&squares, width).max(0.0).sqrt() / self.mean;
         squares.sort_by(|a, b| b.total_cmp(a));
         let worst = squares[..squares.len().div_ceil(100)].iter().sum::<f64>() / squares.iter().sum::<f64>();
-        Ok(Picture { time, rays, error, block, worst, samples })
+        let place = match error {
+            _ if error < stated.low => Place::Below,
+            _ if error > stated.high => Place::Above,
+            _ => Place::Inside,
+        };
+        Ok(Picture {
+            time,
+            rays,
+            error,
+            block,
+            worst,
+            samples: stated.samples,
+            stated: stated.error / error,
+            place,
+        })
     }
 
     /// Three powers of two of samples, around that with the error of a picture.
@@ -202,7 +236,8 @@ impl<'a> Frame<'a> {
 /// A frame, and what it took.
 struct Trace {
     radiance: Vec<Rgb>,
-    samples: f64,
+    /// With no error if there was no target.
+    noise: Noise,
     time: f64,
     rays: f64,
 }
@@ -224,9 +259,9 @@ fn traced(
     done.map_err(|error| format!("{error:?}"))?;
     let rays = frames.stats().counts.rays.total();
     let film = frames.into_sink().and_then(|mut films| films.0.pop()).ok_or("no film")?;
-    let samples = film.noise.map_or(f64::from(samples), |noise| noise.samples);
+    let noise = film.noise.unwrap_or(Noise { samples: samples.into(), ..Noise::default() });
     let time = took.cpu.unwrap_or(took.wall);
-    Ok(Trace { radiance: film.radiance().collect(), samples, time, rays: rays as f64 })
+    Ok(Trace { radiance: film.radiance().collect(), noise, time, rays: rays as f64 })
 }
 
 /// The largest mean of a block.
@@ -260,8 +295,15 @@ impl Picture {
             block: of(|at| at.block),
             worst: of(|at| at.worst),
             samples: of(|at| at.samples),
+            stated: of(|at| at.stated),
+            place: Place::Inside,
         }
     }
+}
+
+/// The share of the pictures for which something holds.
+fn share(pictures: &[Picture], holds: fn(&Picture) -> bool) -> f64 {
+    pictures.iter().filter(|picture| holds(picture)).count() as f64 / pictures.len() as f64
 }
 
 /// The value `y` of uniform samples where `x` is `at`, on logarithmic axes. Beyond the numbers of samples that were
