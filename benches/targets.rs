@@ -17,7 +17,8 @@
 //! - the share of the squared error that the worst hundredth of the pixels holds, beside that of uniform samples of the
 //!   same time.
 //!
-//! Each value is a median over the seeds. Below 1 is cheaper, or better, than uniform samples.
+//! Each value but the shares of the seeds is a median over them. Costs and errors below 1 are less than those of uniform
+//! samples.
 
 use kinora::accuracy::image_error::ReferencePair;
 use kinora::base::clock::timed;
@@ -64,17 +65,10 @@ struct Picture {
     /// The share of the squared error in the worst hundredth of the pixels.
     worst: f64,
     samples: f64,
-    /// The stated error over the true one, and where the true one lies.
+    /// The stated error over the true one, and the ends of its interval; 0 without a target.
     stated: f64,
-    place: Place,
-}
-
-/// Where a true error lies beside its stated interval.
-#[derive(Clone, Copy, PartialEq)]
-enum Place {
-    Below,
-    Inside,
-    Above,
+    low: f64,
+    high: f64,
 }
 
 /// A frame of a sequence, and what its pictures are compared with.
@@ -166,8 +160,8 @@ fn compare(file: &str, settings: &Settings) -> Outcome<()> {
         100.0 * target.error,
         target.samples,
         target.stated,
-        100.0 * share(&targets, |at| at.place == Place::Inside),
-        100.0 * share(&targets, |at| at.place == Place::Above),
+        100.0 * share(&targets, |at| (at.low..=at.high).contains(&at.error)),
+        100.0 * share(&targets, |at| at.error > at.high),
         target.time / at_error(|at| at.time),
         target.rays / at_error(|at| at.rays),
         target.block / at_time(|at| at.block),
@@ -197,7 +191,7 @@ impl<'a> Frame<'a> {
     }
 
     fn picture(&self, noise: Option<NoiseTarget>, samples: u32, seed: u32) -> Outcome<Picture> {
-        let Trace { radiance, noise: stated, time, rays } =
+        let Trace { radiance, noise, time, rays } =
             traced(self.sequence, self.number, self.pool, noise, samples, seed)?;
         let width = self.sequence.output.size.0 as usize;
         let mut squares = self.references.squared_errors(&radiance);
@@ -205,21 +199,8 @@ impl<'a> Frame<'a> {
         let block = worst_block(&squares, width).max(0.0).sqrt() / self.mean;
         squares.sort_by(|a, b| b.total_cmp(a));
         let worst = squares[..squares.len().div_ceil(100)].iter().sum::<f64>() / squares.iter().sum::<f64>();
-        let place = match error {
-            _ if error < stated.low => Place::Below,
-            _ if error > stated.high => Place::Above,
-            _ => Place::Inside,
-        };
-        Ok(Picture {
-            time,
-            rays,
-            error,
-            block,
-            worst,
-            samples: stated.samples,
-            stated: stated.error / error,
-            place,
-        })
+        let Noise { error: stated, low, high, samples, .. } = noise;
+        Ok(Picture { time, rays, error, block, worst, samples, stated: stated / error, low, high })
     }
 
     /// Three powers of two of samples, around that with the error of a picture.
@@ -296,7 +277,8 @@ impl Picture {
             worst: of(|at| at.worst),
             samples: of(|at| at.samples),
             stated: of(|at| at.stated),
-            place: Place::Inside,
+            low: of(|at| at.low),
+            high: of(|at| at.high),
         }
     }
 }
