@@ -19,7 +19,7 @@ const BESIDES: u64 = 48;
 /// Bytes that all pictures of a run take at the same time. Excludes the scene.
 pub fn needed(sequence: &Sequence, aovs: AovSet) -> u64 {
     let (width, height) = sequence.output.size;
-    // Motion blur also keeps the sums over a frame's moments.
+    // Motion blur also keeps the sums over a frame's moments, or those before its current round.
     let sums = if sequence.blurs_motion() { size_of::<DVec3>() as u64 } else { 0 };
     let samples = if aovs.samples { sequence.layers() } else { 0 };
     let layers = sequence.layers() + aovs.layers() as u64 + samples;

@@ -1,10 +1,12 @@
-//! A pilot of a frame: it traces a few blocks of pixels at full resolution, to estimate the cost and the variance of
+//! A pilot of a frame: it traces a few patches of pixels at full resolution, to estimate the cost and the variance of
 //! samples.
 //!
-//! A smaller image would not do. Its pixels cover more edges, so they are noisier than those of the frame.
+//! A smaller image would not do. Its pixels cover more edges, so they are noisier than those of the frame. Each patch
+//! is as large as those that [`super::adaptive`] traces together, and has the same blocks.
 
 use super::ONE_EACH;
 use super::adaptive::halves::SampleHalves;
+use super::adaptive::{PATCH, SIDE};
 use super::pixels::{PixelTracer, SampleSet};
 use super::settings::{Moment, TraceSettings};
 use super::wavefront::WAVE;
@@ -17,13 +19,11 @@ use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// The side of a block in pixels.
-const SIDE: u32 = 8;
-
-/// Blocks of a frame. All of their pixels have the same number of samples.
+/// Blocks of some patches of a frame. All of their pixels have the same number of samples.
 pub struct PilotBlocks {
     seed: u32,
     layers: usize,
+    /// Patch by patch.
     blocks: Vec<PilotBlock>,
     /// The pixels of all blocks.
     places: Vec<(u32, u32)>,
@@ -53,32 +53,38 @@ pub struct BlockError {
     pub variance: f64,
     /// The part of the pixel with the largest error in the mean squared error.
     pub largest: f64,
+    /// The mean squared error of the block's patch, as a sum over its pixels per pixel of the block.
+    pub patch: f64,
     /// Rays per sample of a pixel.
     pub rays: f64,
 }
 
 impl PilotBlocks {
-    /// The number of pixels of a whole block.
+    /// The numbers of pixels of a whole patch and of a whole block.
+    pub const PATCH: f64 = (PATCH * PATCH) as f64;
     pub const BLOCK: f64 = (SIDE * SIDE) as f64;
 
-    /// Spreads `count` blocks over a frame of this size, but no more than the frame has.
+    /// Spreads `count` patches over a frame of this size, but no more than the frame has.
     pub fn new((width, height): (u32, u32), count: usize, layers: usize, seed: u32) -> Self {
-        let (columns, rows) = (width.div_ceil(SIDE), height.div_ceil(SIDE));
-        let mut places = Vec::new();
-        let blocks = spread(columns, rows, count).into_iter().map(|(column, row)| {
-            let (left, top, first) = (column * SIDE, row * SIDE, places.len());
-            let xs = left..width.min(left + SIDE);
-            places.extend((top..height.min(top + SIDE)).flat_map(|y| xs.clone().map(move |x| (x, y))));
-            PilotBlock { cell: (column, row), pixels: first..places.len(), rays: 0 }
-        });
-        let blocks = blocks.collect();
+        let (columns, rows) = (width.div_ceil(PATCH), height.div_ceil(PATCH));
+        let (mut places, mut blocks) = (Vec::new(), Vec::new());
+        let starts =
+            |patch: u32, end: u32| (patch * PATCH..end.min((patch + 1) * PATCH)).step_by(SIDE as usize);
+        for (column, row) in spread(columns, rows, count) {
+            let corners =
+                starts(row, height).flat_map(|top| starts(column, width).map(move |left| (left, top)));
+            for (left, top) in corners {
+                let (first, xs) = (places.len(), left..width.min(left + SIDE));
+                places.extend((top..height.min(top + SIDE)).flat_map(|y| xs.clone().map(move |x| (x, y))));
+                blocks.push(PilotBlock {
+                    cell: (left / SIDE, top / SIDE),
+                    pixels: first..places.len(),
+                    rays: 0,
+                });
+            }
+        }
         let sums = vec![DVec3::ZERO; places.len() * layers];
         Self { seed, layers, blocks, places, all: sums.clone(), first: sums }
-    }
-
-    /// The number of blocks of a frame of this size.
-    pub fn blocks_of((width, height): (u32, u32)) -> usize {
-        width.div_ceil(SIDE) as usize * height.div_ceil(SIDE) as usize
     }
 
     /// For each block, itself and those that are next to it, as far as they are among these blocks.
@@ -135,13 +141,15 @@ impl PilotBlocks {
         let (seed, mut pixels) = (self.seed, PixelTracer::new(scene, bvh, settings, moment));
         pixels.random = random;
         let pixels = &pixels;
-        let most = self.blocks.len().div_ceil(rayon::current_num_threads());
-        let together = blocks_together(samples.len(), moment.of).clamp(1, most.max(1));
+        let patches: Vec<usize> = self.patches().map(<[_]>::len).collect();
+        let most = patches.len().div_ceil(rayon::current_num_threads());
+        let together = patches_together(samples.len(), moment.of).clamp(1, most.max(1));
         let mut groups = Vec::new();
-        let (mut places, mut sums) = (&self.places[..], &mut self.all[..]);
-        for blocks in self.blocks.chunks_mut(together) {
+        let (mut places, mut sums, mut rest) = (&self.places[..], &mut self.all[..], &mut self.blocks[..]);
+        for patches in patches.chunks(together) {
+            let (blocks, own, own_sums);
+            (blocks, rest) = rest.split_at_mut(patches.iter().sum());
             let count = blocks.iter().map(|block| block.pixels.len()).sum();
-            let (own, own_sums);
             (own, places) = places.split_at(count);
             (own_sums, sums) = sums.split_at_mut(count * self.layers);
             groups.push((blocks, own, own_sums));
@@ -164,17 +172,30 @@ impl PilotBlocks {
             let sums = self.sums_of(block);
             block.error(weights, [&self.all[sums.clone()], &self.first[sums]], (before, after))
         });
-        found.collect()
+        let mut found: Vec<BlockError> = found.collect();
+        let mut rest = &mut found[..];
+        for patch in self.patches() {
+            let blocks;
+            (blocks, rest) = rest.split_at_mut(patch.len());
+            let sum: f64 = blocks.iter().map(|block| block.square * block.pixels).sum();
+            blocks.iter_mut().for_each(|block| block.patch = sum / block.pixels);
+        }
+        found
+    }
+
+    /// The blocks of each patch.
+    fn patches(&self) -> impl Iterator<Item = &[PilotBlock]> {
+        self.blocks.chunk_by(|a, b| a.patch() == b.patch())
     }
 }
 
-/// How many blocks fill a wave if each pixel takes so many samples at several moments. A frame's waves are full, but a
-/// moment's samples of one block are few, so each would take up to twice as long. Without moments, the rays of each block
-/// are its own.
-fn blocks_together(samples: usize, moments: u32) -> usize {
+/// How many patches fill a wave if each pixel takes so many samples at several moments. A frame's waves are full, but a
+/// moment's samples of one patch are few, so each would take up to twice as long. Without moments, the rays of each
+/// patch are its own.
+fn patches_together(samples: usize, moments: u32) -> usize {
     match moments {
         1 => 1,
-        _ => WAVE * moments as usize / ((SIDE * SIDE) as usize * samples.max(1)),
+        _ => WAVE * moments as usize / ((PATCH * PATCH) as usize * samples.max(1)),
     }
 }
 
@@ -190,6 +211,11 @@ fn divide_rays(blocks: &mut [PilotBlock], rays: u64) {
 }
 
 impl PilotBlock {
+    /// The column and row of its patch.
+    fn patch(&self) -> (u32, u32) {
+        (self.cell.0 * SIDE / PATCH, self.cell.1 * SIDE / PATCH)
+    }
+
     /// The error by the sums of all samples and of the first ones.
     fn error(&self, weights: &[Rgb], [all, first]: [&[DVec3]; 2], (before, after): (u32, u32)) -> BlockError {
         let (halves, layers) = (SampleHalves::new(before, after), all.len() / self.pixels.len());
@@ -254,8 +280,7 @@ mod tests {
     #[test]
     fn blocks_at_the_edge_have_the_pixels_that_are_left() {
         let pilot = PilotBlocks::new((20, 9), usize::MAX, 1, 0);
-        assert_eq!((pilot.blocks.len(), pilot.pixels()), (6, 180));
-        assert_eq!(PilotBlocks::blocks_of((20, 9)), 6);
+        assert_eq!((pilot.blocks.len(), pilot.patches().count(), pilot.pixels()), (15, 6, 180));
     }
 
     #[test]
@@ -270,7 +295,7 @@ mod tests {
 
     #[test]
     fn few_samples_of_a_moment_share_waves() {
-        let together = [(1, 1), (16, 16), (64, 16), (512, 32)].map(|(n, of)| blocks_together(n, of));
+        let together = [(1, 1), (16, 16), (64, 16), (512, 32)].map(|(n, of)| patches_together(n, of));
         assert_eq!(together, [1, 16, 4, 1]);
     }
 
@@ -283,5 +308,16 @@ mod tests {
         pilot.all[0] = DVec3::splat(16.0);
         let error = pilot.errors(&[Rgb::splat(0.5)], (4, 8))[0];
         assert_eq!((error.mean, error.square, error.variance), (1.0, 0.25, 0.0625));
+    }
+
+    /// The second of two blocks holds all of the error of their patch.
+    #[test]
+    fn errors_of_patches_are_known_to_their_blocks() {
+        let mut pilot = PilotBlocks::new((8, 4), 1, 1, 0);
+        pilot.all[16..].fill(DVec3::splat(1.0));
+        let errors = pilot.errors(&[Rgb::ONE], (1, 2));
+        assert_eq!(errors.len(), 2);
+        assert_eq!((errors[0].square, errors[1].square), (0.0, 0.25));
+        assert!(errors.iter().all(|error| error.patch == 0.25));
     }
 }

@@ -1,4 +1,4 @@
-//! Traces a few blocks of a frame to measure what all of them would cost.
+//! Traces a few patches of a frame to measure what all of them would cost.
 
 use super::frame_state::FrameState;
 use super::prepared_world::PreparedWorld;
@@ -32,11 +32,11 @@ impl Prober {
         Self { world: PreparedWorld::new(sequence, aovs), clock }
     }
 
-    /// A probe of this number of blocks of a frame.
-    pub fn probe(&self, state: &FrameState, blocks: usize) -> PilotBlocks {
+    /// A probe of this number of patches of a frame.
+    pub fn probe(&self, state: &FrameState, patches: usize) -> PilotBlocks {
         let settings = &self.world.settings;
         let layers = state.weights.len() + settings.aovs.layers();
-        PilotBlocks::new(settings.size, blocks, layers, self.world.seed_of(state.frame))
+        PilotBlocks::new(settings.size, patches, layers, self.world.seed_of(state.frame))
     }
 
     /// Traces `samples` of all pixels of the probe with the layers `lit`. None if the frame has no camera.

@@ -7,8 +7,8 @@
 //! If a film serves several frames, half of a block's variance comes from the worst frame, and half from the mean of
 //! all frames. So no frame takes many times the samples that it needs alone.
 //!
-//! Half of a block's variance is the mean of its neighbourhood. So a block whose few samples have missed a light is
-//! refined if its neighbours have met that light.
+//! Three quarters of a block's variance are the mean of its neighbourhood ([`OWN`]). So a block whose few samples have
+//! missed a light is refined if its neighbours have met that light.
 
 use super::block::Block;
 use super::estimate::ErrorEstimate;
@@ -108,22 +108,26 @@ impl Allocation {
     }
 }
 
-/// The variance per sample of each block with a weighting: half its own, half that of its neighbourhood.
+/// The variance per sample of each block with a weighting, as its own samples and its neighbourhood show it.
 fn variances(blocks: &[Block], estimate: &ErrorEstimate, weighting: usize, columns: usize) -> Vec<f64> {
     let pixels: f64 = blocks.iter().map(|block| f64::from(block.pixels())).sum();
     let own = |block: &Block| estimate.part(weighting, block, pixels) * f64::from(block.drawn());
     let own: Vec<f64> = blocks.iter().map(own).collect();
-    half_around(&own, |block| neighbourhood(block, columns, blocks.len()))
+    with_neighbors(&own, |block| neighbourhood(block, columns, blocks.len()))
 }
 
-/// Half each number, and half the mean of those near it, which `near` gives, itself included.
-pub fn half_around<N: IntoIterator<Item = usize>>(own: &[f64], near: impl Fn(usize) -> N) -> Vec<f64> {
+/// The part of a block's own variance in that by which it is sampled. The rest is the mean of its neighbourhood. With a
+/// half, blocks that look quiet by chance get too few samples, and true errors exceed what pictures state.
+const OWN: f64 = 0.25;
+
+/// [`OWN`] of each number, and the rest of the mean of those near it, which `near` gives, itself included.
+pub fn with_neighbors<N: IntoIterator<Item = usize>>(own: &[f64], near: impl Fn(usize) -> N) -> Vec<f64> {
     let around = |place: usize| {
         let numbers = near(place).into_iter().map(|other| own[other]);
         let (sum, count) = numbers.fold((0.0, 0.0), |(sum, count), number| (sum + number, count + 1.0));
         sum / count
     };
-    own.iter().enumerate().map(|(place, own)| (own + around(place)) / 2.0).collect()
+    own.iter().enumerate().map(|(place, own)| OWN * own + (1.0 - OWN) * around(place)).collect()
 }
 
 /// A place among `all` in rows of `columns`, and those next to it, at most eight.
@@ -140,9 +144,10 @@ mod tests {
     #[test]
     fn neighbours_are_those_that_there_are() {
         let own = [4.0, 0.0, 2.0, 8.0, 0.0, 4.0];
-        let mixed = half_around(&own, |place| neighbourhood(place, 3, own.len()));
+        let mixed = with_neighbors(&own, |place| neighbourhood(place, 3, own.len()));
         let means = [3.0, 3.0, 1.5, 3.0, 3.0, 1.5];
-        let expected: Vec<f64> = own.iter().zip(means).map(|(own, mean)| (own + mean) / 2.0).collect();
+        let expected: Vec<f64> =
+            own.iter().zip(means).map(|(own, mean)| OWN * own + (1.0 - OWN) * mean).collect();
         assert_eq!(mixed, expected);
     }
 }

@@ -3,12 +3,24 @@
 //! Each round doubles the samples. The means of the samples before and after give the squared error
 //! ([`super::halves`]).
 
+use super::PATCH;
 use super::halves::SampleHalves;
 use super::layer_products::LayerProducts;
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 use crate::film::{ErrorVariance, Variances};
+use crate::trace::settings::Moment;
 use std::ops::Range;
+use std::sync::Arc;
+
+/// The layers of a pixel, the same in all blocks of a frame.
+#[derive(Debug)]
+pub struct PixelLayers {
+    /// The number of all of them.
+    pub count: usize,
+    /// The indices of those that hold light.
+    pub held: Vec<usize>,
+}
 
 /// A block of pixels.
 pub struct Block {
@@ -16,21 +28,19 @@ pub struct Block {
     top: u32,
     width: u32,
     height: u32,
-    /// All layers, and the indices of those that hold light.
-    layers: usize,
-    held: Vec<usize>,
-    /// The layers of each pixel: the sums of all samples, and of the samples before the last round.
-    all: Vec<DVec3>,
-    first: Vec<DVec3>,
-    /// The numbers of samples in these sums.
+    layers: Arc<PixelLayers>,
+    /// The layers of each pixel: the sums of all samples; and of those before this round, while some of its moments are
+    /// still to be traced.
+    sums: Box<[DVec3]>,
+    before: Option<Box<[DVec3]>>,
+    /// The number of samples before this round.
     drawn: u32,
-    before: u32,
     /// The number of samples after the current round, if the block takes part in it.
     next: Option<u32>,
     /// Its rays so far. Blocks that are traced together share theirs by their pixels.
     rays: u64,
     /// The mean over the pixels of each layer that holds light.
-    means: Vec<DVec3>,
+    means: Box<[DVec3]>,
     /// The error from the halves of the last round, not yet combined with earlier rounds.
     last_round: Option<SquaredErrors>,
     /// The error from all rounds that have been combined.
@@ -54,11 +64,12 @@ pub struct SquaredError {
     pub variances: Variances,
 }
 
-/// The squared error of a block before and after its last round, with all light weighted equally.
+/// The squared error of a block before and after its last round, with all light weighted equally, and the variances of
+/// these estimates as far as they were measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Trend {
-    pub before: SquaredError,
-    pub after: SquaredError,
+    pub before: (f64, f64),
+    pub after: (f64, f64),
 }
 
 impl SquaredErrors {
@@ -69,29 +80,26 @@ impl SquaredErrors {
 }
 
 impl Block {
-    /// A block with the layers `held` out of `layers`, whose first round takes `first` samples per pixel.
+    /// A block without samples, whose first round takes `first` samples per pixel.
     pub fn new(
         (left, top): (u32, u32),
         (width, height): (u32, u32),
-        held: &[usize],
-        layers: usize,
+        layers: Arc<PixelLayers>,
         first: u32,
     ) -> Self {
-        let sums = vec![DVec3::ZERO; layers * (width * height) as usize];
+        let sums = vec![DVec3::ZERO; layers.count * (width * height) as usize];
         Self {
             left,
             top,
             width,
             height,
+            means: vec![DVec3::ZERO; layers.held.len()].into(),
             layers,
-            held: held.to_vec(),
-            first: sums.clone(),
-            all: sums,
+            sums: sums.into(),
+            before: None,
             drawn: 0,
-            before: 0,
             next: Some(first),
             rays: 0,
-            means: vec![DVec3::ZERO; held.len()],
             last_round: None,
             combined: None,
             trend: None,
@@ -100,6 +108,11 @@ impl Block {
 
     pub fn pixels(&self) -> u32 {
         self.width * self.height
+    }
+
+    /// The row and column of its patch: blocks of a patch are traced together.
+    pub fn patch(&self) -> (u32, u32) {
+        (self.top / PATCH, self.left / PATCH)
     }
 
     /// Samples of each pixel.
@@ -125,12 +138,10 @@ impl Block {
     /// Takes samples that have been traced as two halves, with so many rays in all, as those of a round that is about to end.
     /// `read` writes the layers of a place in one of the halves: means over its samples.
     pub fn take_halves(&mut self, samples: u32, rays: u64, read: impl Fn((u32, u32), usize, &mut [DVec3])) {
-        let count = f64::from(samples / 2);
-        let places: Vec<_> = self.places().collect();
-        for (place, (first, all)) in places
-            .into_iter()
-            .zip(self.first.chunks_exact_mut(self.layers).zip(self.all.chunks_exact_mut(self.layers)))
-        {
+        let (count, layers) = (f64::from(samples / 2), self.layers.count);
+        let (places, mut all) = (self.places(), self.sums.clone());
+        let pixels = self.sums.chunks_exact_mut(layers).zip(all.chunks_exact_mut(layers));
+        for (place, (first, all)) in places.zip(pixels) {
             read(place, 0, first);
             read(place, 1, all);
             for (first, all) in first.iter_mut().zip(all) {
@@ -138,58 +149,72 @@ impl Block {
                 *all = *first + *all * count;
             }
         }
-        (self.drawn, self.before, self.next) = (samples / 2, samples / 2, Some(samples));
-        self.rays = rays;
+        (self.drawn, self.next) = (samples / 2, Some(samples));
+        self.take_sums(&all, rays, Moment::ONLY);
     }
 
     /// Starts a round that ends at `next` samples per pixel.
     pub fn start_round(&mut self, next: u32) {
-        self.first.copy_from_slice(&self.all);
-        self.before = self.drawn;
         self.next = Some(next);
     }
 
     /// Discards the samples of the current round. Returns whether an earlier round exists; without one, nothing
     /// happens.
     pub fn discard_round(&mut self) -> bool {
-        let before = self.drawn > 0;
-        if before {
-            self.all.copy_from_slice(&self.first);
+        let is_later = self.drawn > 0;
+        if is_later {
             self.next = None;
+            if let Some(before) = self.before.take() {
+                self.sums = before;
+            }
         }
-        before
+        is_later
     }
 
     /// The samples of each pixel that the current round takes; none if the block does not take part in it.
     pub fn round(&self) -> Range<u32> {
-        self.drawn..self.next.unwrap_or(self.drawn)
+        self.drawn..self.after()
     }
 
     /// The sums of all samples: for each pixel, those of its layers.
     pub fn sums(&self) -> &[DVec3] {
-        &self.all
+        &self.sums
     }
 
-    /// Takes new sums, which have cost it this number of rays.
-    pub fn take_sums(&mut self, sums: &[DVec3], rays: u64) {
-        self.all.copy_from_slice(sums);
+    /// Takes the sums of all samples after a moment of the current round, which has cost it this number of rays. After the
+    /// last moment, the sums before and after the round give its error.
+    pub fn take_sums(&mut self, sums: &[DVec3], rays: u64, moment: Moment) {
+        let before = self.before.take();
+        if moment.index + 1 < moment.of {
+            self.before = Some(before.unwrap_or_else(|| self.sums.clone()));
+        } else {
+            self.last_round = self.errors(before.as_deref().unwrap_or(&self.sums), sums);
+            self.means = self.means(sums);
+        }
+        self.sums.copy_from_slice(sums);
         self.rays += rays;
+    }
+
+    /// The number of samples after the current round.
+    fn after(&self) -> u32 {
+        self.next.unwrap_or(self.drawn)
+    }
+
+    fn means(&self, sums: &[DVec3]) -> Box<[DVec3]> {
+        let factor = 1.0 / (f64::from(self.after()) * f64::from(self.pixels()));
+        let mean = |&layer: &usize| factor * sums[layer..].iter().step_by(self.layers.count).sum::<DVec3>();
+        self.layers.held.iter().map(mean).collect()
     }
 
     /// Ends a round in which it took part.
     pub fn end_round(&mut self) {
-        self.drawn = self.next.take().unwrap_or(self.drawn);
-        let factor = 1.0 / (f64::from(self.drawn) * f64::from(self.pixels()));
-        for (mean, &layer) in self.means.iter_mut().zip(&self.held) {
-            *mean = factor * self.all[layer..].iter().step_by(self.layers).sum::<DVec3>();
-        }
-        self.last_round = self.halves();
+        (self.drawn, self.next) = (self.after(), None);
         let weights = self.unit_weights();
-        let sum = |errors: &Option<SquaredErrors>| {
-            errors.as_ref().map_or(SquaredError::default(), |errors| errors.weighted(&weights))
-        };
-        let (before, after) = (sum(&self.combined), sum(&self.last_round));
-        self.trend = (before.square > 0.0).then_some(Trend { before, after });
+        let [before, after] = [&self.combined, &self.last_round].map(|errors| {
+            let error = errors.as_ref().map_or(SquaredError::default(), |errors| errors.weighted(&weights));
+            (error.square, error.variances.measured.estimate)
+        });
+        self.trend = (before.0 > 0.0).then_some(Trend { before, after });
     }
 
     /// Combines the error of the last round with that of earlier rounds, scaled by the factor `fall`. Each counts half,
@@ -225,25 +250,28 @@ impl Block {
 
     /// The mean of a layer over all samples of a pixel.
     pub fn value(&self, pixel: usize, layer: usize) -> DVec3 {
-        self.all[pixel * self.layers + layer] / f64::from(self.drawn.max(1))
+        self.sums[pixel * self.layers.count + layer] / f64::from(self.drawn.max(1))
     }
 
     fn unit_weights(&self) -> Vec<Rgb> {
-        vec![Rgb::ONE; self.held.len()]
+        vec![Rgb::ONE; self.layers.held.len()]
     }
 
-    fn halves(&self) -> Option<SquaredErrors> {
-        if self.before == 0 || self.drawn == self.before {
+    /// The error by the sums before and after the current round. None if it has no samples, or nothing was before.
+    fn errors(&self, before: &[DVec3], after: &[DVec3]) -> Option<SquaredErrors> {
+        if self.drawn == 0 || self.after() == self.drawn {
             return None;
         }
-        let halves = SampleHalves::new(self.before, self.drawn);
+        let halves = SampleHalves::new(self.drawn, self.after());
         let factor = halves.factor() / f64::from(self.pixels());
-        let mut products = LayerProducts::new(self.held.len());
-        let mut apart = vec![DVec3::ZERO; self.held.len()];
+        let held = &self.layers.held;
+        let mut products = LayerProducts::new(held.len());
+        let mut apart = vec![DVec3::ZERO; held.len()];
         let (mut sum, mut fourth, mut differences, mut left) = (0.0, 0.0, 0.0, None);
-        for (all, first) in self.all.chunks_exact(self.layers).zip(self.first.chunks_exact(self.layers)) {
-            for (apart, &layer) in apart.iter_mut().zip(&self.held) {
-                *apart = halves.difference(first[layer], all[layer]);
+        let [before, after] = [before, after].map(|sums| sums.chunks_exact(self.layers.count));
+        for (before, after) in before.zip(after) {
+            for (apart, &layer) in apart.iter_mut().zip(held) {
+                *apart = halves.difference(before[layer], after[layer]);
             }
             products.add(&apart, factor);
             let square = apart.iter().sum::<DVec3>().length_squared();

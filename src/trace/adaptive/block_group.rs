@@ -8,10 +8,12 @@ use crate::base::math::DVec3;
 use crate::base::stats::Counts;
 use crate::trace::pixels::{PixelTracer, SampleSet};
 use crate::trace::wavefront::WAVE;
+use std::collections::HashMap;
+use std::ops::Range;
 
-/// The most blocks of a group. With more, a round of many moments would be too few groups for all threads, and the costs
+/// The most pixels of a group. With more, a round of many moments would be too few groups for all threads, and the costs
 /// of blocks would be those of half the picture.
-const MOST: usize = 16;
+const MOST: usize = 1024;
 
 /// Open blocks whose round takes the same samples of each pixel. The groups of a round depend on its blocks alone, so
 /// the cost of each block does, too.
@@ -21,20 +23,22 @@ impl<'a> BlockGroup<'a> {
     /// The open blocks in groups that fill at most one wave, unless a block alone fills more. A round has this number
     /// of moments.
     pub fn of_round(blocks: &'a mut [Block], moments: u32) -> Vec<Self> {
+        let mut open: Vec<&mut Block> = blocks.iter_mut().filter(|block| block.is_open()).collect();
+        open.sort_by_key(|block| block.patch());
         let mut groups: Vec<Self> = Vec::new();
-        let mut filled = 0;
-        for block in blocks.iter_mut().filter(|block| block.is_open()) {
-            let samples = block.pixels() as usize * block.round().len() / moments as usize;
-            match groups.last_mut() {
-                Some(Self(last))
-                    if last[0].round() == block.round() && last.len() < MOST && filled + samples <= WAVE =>
-                {
-                    last.push(block);
-                    filled += samples;
+        // The last group of each round, and its pixels.
+        let mut last: HashMap<Range<u32>, (usize, usize)> = HashMap::new();
+        for block in open {
+            let (pixels, round) = (block.pixels() as usize, block.round());
+            let most = (WAVE * moments as usize / round.len().max(1)).min(MOST);
+            match last.get_mut(&round) {
+                Some((group, filled)) if *filled + pixels <= most => {
+                    groups[*group].0.push(block);
+                    *filled += pixels;
                 }
                 _ => {
+                    last.insert(round, (groups.len(), pixels));
                     groups.push(Self(vec![block]));
-                    filled = samples;
                 }
             }
         }
@@ -51,18 +55,44 @@ impl<'a> BlockGroup<'a> {
     pub fn trace(self, pixels: &PixelTracer, seed: u32) -> Counts {
         let Self(mut blocks) = self;
         let samples = blocks[0].round();
-        let places: Vec<(u32, u32)> = blocks.iter().flat_map(|block| block.places()).collect();
-        let mut sums: Vec<DVec3> = blocks.iter().flat_map(|block| block.sums()).copied().collect();
+        let count = blocks.iter().map(|block| block.pixels() as usize).sum();
+        let mut places: Vec<(u32, u32)> = Vec::with_capacity(count);
+        let mut sums: Vec<DVec3> = Vec::with_capacity(count * pixels.layers());
+        for block in &blocks {
+            places.extend(block.places());
+            sums.extend_from_slice(block.sums());
+        }
         let counts = pixels.add(&places, &SampleSet { samples, seed }, &mut sums);
-        let (pixels, mut before, mut rest) = (places.len() as u64, 0, &sums[..]);
-        let rays_of = |pixel: u64| counts.rays.total() * pixel / pixels;
+        let (mut before, mut rest) = (0, &sums[..]);
+        let rays_of = |pixel: u64| counts.rays.total() * pixel / count as u64;
         for block in &mut blocks {
             let own;
             (own, rest) = rest.split_at(block.sums().len());
             let end = before + u64::from(block.pixels());
-            block.take_sums(own, rays_of(end) - rays_of(before));
+            block.take_sums(own, rays_of(end) - rays_of(before), pixels.moment);
             before = end;
         }
         counts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::block::PixelLayers;
+    use super::*;
+    use std::sync::Arc;
+
+    #[test]
+    fn groups_fill_waves_across_blocks_of_other_rounds() {
+        let layers = Arc::new(PixelLayers { count: 1, held: vec![0] });
+        let block =
+            |place: u32| Block::new((4 * place, 0), (4, 4), Arc::clone(&layers), [4, 8][place as usize & 1]);
+        let mut blocks: Vec<Block> = (0..64).map(block).collect();
+        let groups = BlockGroup::of_round(&mut blocks, 1);
+        let samples = |BlockGroup(blocks): &BlockGroup| (blocks.len(), blocks[0].round().len());
+        let mut found: Vec<_> = groups.iter().map(samples).collect();
+        found.sort_unstable();
+        assert_eq!(found, [(8, 8), (8, 8), (8, 8), (8, 8), (16, 4), (16, 4)]);
+        assert!(groups.iter().all(|BlockGroup(all)| all.iter().all(|block| block.round() == all[0].round())));
     }
 }

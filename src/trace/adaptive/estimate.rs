@@ -7,7 +7,7 @@
 //! with independent samples, and less if the error falls faster. In a frame of different parts, the error later falls
 //! more slowly. So the truth is between the two.
 
-use super::block::{Block, SquaredError, Trend};
+use super::block::{Block, Trend};
 use crate::base::color::Rgb;
 use crate::base::math::max;
 use crate::film::{Noise, StratificationGain, Variances, Z_95};
@@ -34,13 +34,13 @@ struct ErrorDecay {
 impl ErrorDecay {
     /// Measured by the blocks that took part in the last round and one before it.
     fn of(blocks: &[Block]) -> Self {
-        let total = |part: fn(&Trend) -> SquaredError| {
+        let total = |part: fn(&Trend) -> (f64, f64)| {
             let (mut square, mut variance) = (0.0, 0.0);
             for block in blocks {
                 let Some(trend) = &block.trend else { continue };
-                let (pixels, error) = (f64::from(block.pixels()), part(trend));
-                square += pixels * error.square;
-                variance += pixels * pixels * error.variances.measured.estimate;
+                let (pixels, (part, of_part)) = (f64::from(block.pixels()), part(trend));
+                square += pixels * part;
+                variance += pixels * pixels * of_part;
             }
             (square, variance / (square * square))
         };

@@ -8,11 +8,11 @@ use crate::base::math::DVec3;
 
 /// The sum of the products of every two layers, by colour.
 #[derive(Clone, Debug, Default)]
-pub struct LayerProducts(Vec<DVec3>);
+pub struct LayerProducts(Box<[DVec3]>);
 
 impl LayerProducts {
     pub fn new(layers: usize) -> Self {
-        Self(vec![DVec3::ZERO; layers * (layers + 1) / 2])
+        Self(vec![DVec3::ZERO; layers * (layers + 1) / 2].into())
     }
 
     /// Adds the products of the layers of a pixel, times a factor.

@@ -24,7 +24,7 @@ use crate::film::{AovSet, Film, Noise, lit};
 use crate::scene::top_level::Bvh;
 use crate::scene::{Scene, Weights};
 use crate::sequence::quality::NoiseTarget;
-use block::Block;
+use block::{Block, PixelLayers};
 use block_group::BlockGroup;
 use estimate::ErrorEstimate;
 use rayon::prelude::*;
@@ -32,7 +32,11 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 /// The side of a block in pixels. Blocks form a fixed lattice, so the result does not depend on the size of tiles.
-const SIDE: u32 = 8;
+/// Noise is often that of few pixels: the smaller a block, the fewer of its pixels get samples that others need.
+pub const SIDE: u32 = 4;
+
+/// The side of a patch of blocks that are traced together, so that rays of a wave stay close to each other.
+pub const PATCH: u32 = 8;
 
 /// The least number of samples of a pixel, unless the limit is lower.
 pub const MIN_SAMPLES: u32 = 16;
@@ -44,11 +48,12 @@ pub const fn first_round(most: u32) -> u32 {
     least.div_ceil(4)
 }
 
-/// The bytes per pixel with this number of layers: the sums of all samples and of the first half, and the pixel's share
-/// of its block's error estimate.
+/// The bytes per pixel with this number of layers: the sums of its samples, and its share of its block. A frame of several
+/// moments keeps the sums twice.
 pub fn bytes_of_pixel(layers: u64) -> u64 {
-    let pairs = layers * (layers + 1) / 2;
-    (2 * layers + 2 * pairs / u64::from(SIDE * SIDE)) * size_of::<glam::DVec3>() as u64
+    let (pairs, light) = (layers * (layers + 1) / 2, size_of::<glam::DVec3>() as u64);
+    let block = size_of::<Block>() as u64 + (layers + 2 * pairs) * light;
+    layers * light + block.div_ceil(u64::from(SIDE * SIDE))
 }
 
 /// The weightings of a film, with one weight per layer: one weighting for each different frame of the sequence that
@@ -107,12 +112,13 @@ impl AdaptiveFrame {
     ) -> Self {
         let held: Vec<usize> = lit(&layers.0).map(|layer| layer.index()).collect();
         let weightings = shown.iter().map(|all| held.iter().map(|&layer| all[layer]).collect()).collect();
+        let of_pixel = Arc::new(PixelLayers { count: layers.0.len() + aovs.layers(), held });
         let corners = (0..size.1).step_by(SIDE as usize);
         let corners = corners.flat_map(|top| (0..size.0).step_by(SIDE as usize).map(move |left| (left, top)));
         let first = first_round(target.most);
         let block = |(left, top): (u32, u32)| {
             let places = (SIDE.min(size.0 - left), SIDE.min(size.1 - top));
-            Block::new((left, top), places, &held, layers.0.len() + aovs.layers(), first)
+            Block::new((left, top), places, Arc::clone(&of_pixel), first)
         };
         let (blocks, estimate) = (corners.map(block).collect(), ErrorEstimate::default());
         Self { size, seed, target, layers, weightings, aovs, denoised: None, blocks, estimate }

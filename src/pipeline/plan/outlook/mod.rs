@@ -1,4 +1,4 @@
-//! Forecasts the time and the error of a run from a pilot, which traces a few blocks of pixels of some films.
+//! Forecasts the time and the error of a run from a pilot, which traces a few patches of pixels of some films.
 //!
 //! ```text
 //! Plan ──pilot──▶ PilotFilm: seconds per sample, squared error ──forecast──▶ RunForecast of any quality

@@ -14,7 +14,7 @@ pub struct Passes {
     pub falls: Vec<f64>,
 }
 
-/// A pixel is an outlier if it has this share of the squared error of its block.
+/// A pixel is an outlier if it has this share of the squared error of its patch.
 const OUTLIER: f64 = 0.9;
 
 /// What is known of the blocks with a weighting.
@@ -48,7 +48,7 @@ impl PassEstimates {
 
 /// The squared error of a block without an outlier.
 fn regular(block: &BlockError) -> f64 {
-    block.square - if block.largest > OUTLIER * block.square { block.largest } else { 0.0 }
+    block.square - if block.largest > OUTLIER * block.patch { block.largest } else { 0.0 }
 }
 
 impl WeightingErrors {
@@ -82,6 +82,7 @@ impl WeightingErrors {
                 (apart.all[1], apart.regular[1]) = (factor * before.square, factor * regular(before));
                 block.largest = (block.largest + factor * before.largest) / 2.0;
                 block.square = (block.square + factor * before.square) / 2.0;
+                block.patch = (block.patch + factor * before.patch) / 2.0;
                 block.variance = (block.variance + factor * factor * before.variance) / 4.0;
             }
         }
@@ -170,13 +171,13 @@ impl Passes {
     }
 }
 
-/// The parts of the blocks in the squared error, as the sampler sees them: half their own, half those around.
+/// The parts of the blocks in the squared error, as the sampler sees them, with those around.
 fn variances(weighted: &WeightingErrors, of: Part, near: &[Vec<usize>]) -> Vec<f64> {
     let WeightingErrors { blocks, apart } = weighted;
     let unit = weighted.unit() * blocks.iter().map(|block| block.pixels).sum::<f64>();
     let own = |(block, apart): (&BlockError, &PassEstimates)| of(apart) * block.pixels / unit;
     let own: Vec<f64> = blocks.iter().zip(apart).map(own).collect();
-    allocation::half_around(&own, |place| near[place].iter().copied())
+    allocation::with_neighbors(&own, |place| near[place].iter().copied())
 }
 
 #[cfg(test)]
@@ -184,10 +185,18 @@ mod tests {
     use super::*;
 
     fn block(square: f64, largest: f64) -> BlockError {
-        BlockError { pixels: 64.0, mean: 1.0, square, largest, rays: 2.0, ..BlockError::default() }
+        BlockError {
+            pixels: 64.0,
+            mean: 1.0,
+            square,
+            patch: square,
+            largest,
+            rays: 2.0,
+            ..BlockError::default()
+        }
     }
 
-    /// The sampler allocates by half of a block's noise and half of that around it.
+    /// The sampler allocates by a quarter of a block's noise and three quarters of that around it.
     #[test]
     fn noise_is_mixed_with_that_of_neighbours() {
         let mut weighted = WeightingErrors::default();
@@ -196,13 +205,13 @@ mod tests {
         let noise = passes.noise(&[vec![0, 1], vec![0, 1, 2], vec![1, 2]], 3.0 * 64.0);
         let [first, middle, last] = &noise.blocks[..] else { panic!("three blocks") };
         let near = |found: f64, expected: f64| (found - expected).abs() < 1e-15;
-        assert!(near(first.around.all[0], 0.015 / 3.0) && near(last.around.all[1], 0.03 / 3.0));
-        assert!(near(middle.around.all[0], 0.01 / 3.0) && near(middle.squares.all[0], 0.0));
+        assert!(near(first.around.all[0], 0.0125 / 3.0) && near(last.around.all[1], 0.025 / 3.0));
+        assert!(near(middle.around.all[0], 0.015 / 3.0) && near(middle.squares.all[0], 0.0));
         // Without the pixel that holds most of the error.
         assert!(near(last.squares.regular[0], 0.001 / 3.0) && near(first.squares.regular[0], 0.02 / 3.0));
         // Samples are proportional to the root of this; all blocks cost the same.
         let ratio = first.allocated.all[0] / middle.allocated.all[0];
-        assert!((ratio - 1.5).abs() < 1e-12, "{ratio}");
+        assert!((ratio - 12.5 / 15.0).abs() < 1e-12, "{ratio}");
     }
 
     #[test]

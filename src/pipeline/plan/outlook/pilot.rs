@@ -1,4 +1,4 @@
-//! The pilot: probes a few blocks of some films within a time limit.
+//! The pilot: probes a few patches of some films within a time limit.
 
 use super::film::{FilmNoise, PilotFilm};
 use super::passes::Passes;
@@ -44,19 +44,19 @@ const FILMS: usize = 6;
 /// Maximum number of weightings of a film that are compared.
 const WEIGHTINGS: usize = 256;
 
-/// Minimum number of blocks per thread, so that all threads stay busy.
-const BLOCKS: usize = 8;
+/// Minimum number of patches per thread, so that all threads stay busy.
+const PATCHES: usize = 8;
 
 /// Samples per pixel in the first pass, as in the first round of the sampler.
 const FIRST: u32 = 4;
 
-/// Samples per pixel up to which a pilot prefers more samples to more blocks. Then every block is better than more
-/// samples: where noise is uneven, a few blocks hold most of it.
+/// Samples per pixel up to which a pilot prefers more samples to more patches. Then every patch is better than more
+/// samples: where noise is uneven, a few of them hold most of it.
 const ENOUGH: u32 = 16;
 
 /// The number of blocks that get more samples than the others, to measure how their errors fall; up to how many samples
 /// per pixel; and for which part of the time.
-const DEEP: usize = 64;
+const DEEP: usize = 256;
 const DEEPEST: u32 = 256;
 const DEEP_TIME: f64 = 0.15;
 
@@ -93,7 +93,7 @@ pub fn run_pilot(
         clock,
         filters: Vec::new(),
     };
-    let few = ProbeBudget { blocks: BLOCKS * rayon::current_num_threads(), seconds: 0.0 };
+    let few = ProbeBudget { patches: PATCHES * rayon::current_num_threads(), seconds: 0.0 };
     let outlook = |mut pilots: Vec<PilotFilm>, shares: &PathShares, spent: ElapsedTime| {
         pilots.sort_by_key(|pilot| pilot.place);
         same_power(&mut pilots);
@@ -148,13 +148,13 @@ fn affordable(pilots: &[PilotFilm], seconds: f64, clock: TimeSource) -> ShareTri
 /// The budget of one film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ProbeBudget {
-    blocks: usize,
+    patches: usize,
     /// Doubles the samples while time is left, once there are [`ENOUGH`].
     seconds: f64,
 }
 
 impl ProbeBudget {
-    /// The number of blocks that can have enough samples within `seconds`, by the costs of the first probe.
+    /// The number of patches that can have enough samples within `seconds`, by the costs of the first probe.
     fn deeper(self, film: &PilotFilm, seconds: f64, antialias: u32) -> Self {
         // A regular grid of samples is traced twice.
         let (samples, passes) = match film.is_random() {
@@ -163,8 +163,8 @@ impl ProbeBudget {
         };
         let again = if film.moments > 1 { f64::from(passes) } else { 1.0 };
         let fits = (seconds - again * film.prepare.wall) / film.sample.wall.max(1e-12);
-        let blocks = (fits / PilotBlocks::BLOCK / f64::from(samples)) as usize;
-        Self { blocks: blocks.max(self.blocks), seconds }
+        let patches = (fits / PilotBlocks::PATCH / f64::from(samples)) as usize;
+        Self { patches: patches.max(self.patches), seconds }
     }
 }
 
@@ -204,7 +204,7 @@ impl PilotRun<'_> {
     fn film(&mut self, place: usize, budget: ProbeBudget) -> Option<PilotFilm> {
         let shared = &self.plan.films[place];
         let state = &self.plan.states.frames[shared.frames[0]];
-        let mut probe = self.prober.probe(state, budget.blocks);
+        let mut probe = self.prober.probe(state, budget.patches);
         let (width, height) = self.sequence.output.size;
         let mut pilot = PilotFilm {
             place,
