@@ -49,8 +49,8 @@ pub struct RenderOptions {
 
     /// Target error where something is random: 0.01 for 1 % [default: as in the sequence]
     ///
-    /// Samples every block of 8x8 pixels until its error, relative to its brightness, is below
-    /// the target. Smooth blocks take fewer samples than difficult ones.
+    /// Adds samples where they lower the error of the frame most, until it is below the target:
+    /// the root of the mean squared error of its pixels, relative to its mean brightness.
     #[arg(
         long, value_name = "ERROR", value_parser = values::noise, allow_hyphen_values = true,
         conflicts_with = "samples", verbatim_doc_comment

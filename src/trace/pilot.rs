@@ -11,7 +11,7 @@ use super::pixels::{PixelTracer, SampleSet};
 use super::settings::{Moment, TraceSettings};
 use super::wavefront::WAVE;
 use crate::base::color::Rgb;
-use crate::base::math::{DVec3, max};
+use crate::base::math::DVec3;
 use crate::base::stats::Counts;
 use crate::scene::Scene;
 use crate::scene::top_level::Bvh;
@@ -51,10 +51,6 @@ pub struct BlockError {
     /// which bounds the variance of the estimate.
     pub square: f64,
     pub variance: f64,
-    /// The part of the pixel with the largest error in the mean squared error.
-    pub largest: f64,
-    /// The mean squared error of the block's patch, as a sum over its pixels per pixel of the block.
-    pub patch: f64,
     /// Rays per sample of a pixel.
     pub rays: f64,
 }
@@ -172,15 +168,7 @@ impl PilotBlocks {
             let sums = self.sums_of(block);
             block.error(weights, [&self.all[sums.clone()], &self.first[sums]], (before, after))
         });
-        let mut found: Vec<BlockError> = found.collect();
-        let mut rest = &mut found[..];
-        for patch in self.patches() {
-            let blocks;
-            (blocks, rest) = rest.split_at_mut(patch.len());
-            let sum: f64 = blocks.iter().map(|block| block.square * block.pixels).sum();
-            blocks.iter_mut().for_each(|block| block.patch = sum / block.pixels);
-        }
-        found
+        found.collect()
     }
 
     /// The blocks of each patch.
@@ -235,7 +223,6 @@ impl PilotBlock {
             if factor > 0.0 {
                 let square = factor * halves.difference(first, all).length_squared();
                 found.square += square / pixels;
-                found.largest = max(found.largest, square / pixels);
                 found.variance += square * square / (pixels * pixels);
             }
         }
@@ -308,16 +295,5 @@ mod tests {
         pilot.all[0] = DVec3::splat(16.0);
         let error = pilot.errors(&[Rgb::splat(0.5)], (4, 8))[0];
         assert_eq!((error.mean, error.square, error.variance), (1.0, 0.25, 0.0625));
-    }
-
-    /// The second of two blocks holds all of the error of their patch.
-    #[test]
-    fn errors_of_patches_are_known_to_their_blocks() {
-        let mut pilot = PilotBlocks::new((8, 4), 1, 1, 0);
-        pilot.all[16..].fill(DVec3::splat(1.0));
-        let errors = pilot.errors(&[Rgb::ONE], (1, 2));
-        assert_eq!(errors.len(), 2);
-        assert_eq!((errors[0].square, errors[1].square), (0.0, 0.25));
-        assert!(errors.iter().all(|error| error.patch == 0.25));
     }
 }

@@ -1,5 +1,5 @@
 //! `kinora plan`: which films a render would trace, and how long that takes. Traces nothing except a pilot of a few
-//! small blocks of pixels.
+//! small patches of pixels.
 //!
 //! In: a sequence file. Out: the report as text or JSON. Uses the siblings of `cli/` and the rooms above it.
 
@@ -75,7 +75,7 @@ Examples:
 
 Counts of films and trees and the memory are exact. Camera rays are exact if the number of samples
 is fixed and no frames share paths. Time and error come from a pilot of one or two seconds: it
-traces blocks of 8x8 pixels of up to six films at full resolution. The time is that of tracing
+traces patches of 8x8 pixels of up to six films at full resolution. The time is that of tracing
 with -t threads, without loading and writing. It is accurate to about 10 % for a fixed number of
 samples and to about 20 % for a target error; if the pilot is less certain, a range is printed.
 Where a few bright pixels make most of the error, it may be twice as long.";

@@ -46,8 +46,7 @@ pub struct BlockNoise {
     pub squares: PassEstimates,
     /// The same mixed with those of the blocks around it.
     pub around: PassEstimates,
-    /// The variance by which the sampler allocates samples: that of the worst frame, and of all. With and without
-    /// outliers, it has factors of its own, so what lies between is approximate.
+    /// The variance by which the sampler allocates samples: that of the worst frame, and of all.
     pub allocated: PassEstimates,
     /// Share of the pixels.
     pub share: f64,
@@ -57,11 +56,7 @@ pub struct BlockNoise {
 
 /// What the last pass shows of a block, and what the passes before it show.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PassEstimates {
-    pub all: [f64; 2],
-    /// Without outliers: single pixels that may hold most of the error of a film.
-    pub regular: [f64; 2],
-}
+pub struct PassEstimates(pub [f64; 2]);
 
 /// Forecast for one film.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -234,7 +229,7 @@ fn audits(quality: &Quality, picture: u32) -> f64 {
 impl FilmNoise {
     /// Squared error if every pixel has this number of samples.
     fn even(&self, samples: f64, uncertainty: Uncertainty) -> f64 {
-        let sum: f64 = self.blocks.iter().map(|block| block.squares.at(0.5, 1.0)).sum();
+        let sum: f64 = self.blocks.iter().map(|block| block.squares.at(0.5)).sum();
         sum * self.scale(uncertainty) * libm::pow(self.samples / samples, self.power_of(uncertainty))
     }
 
@@ -282,12 +277,10 @@ impl FilmNoise {
         part: f64,
         target: &NoiseTarget,
     ) -> Vec<bool> {
-        let mut decay = DecayTable::new(self.samples, self.power_of(uncertainty));
         let mut errors = 0.0;
-        let roots = self.blocks.iter().zip(samples).map(|(block, &samples)| {
-            let known = decay.at(samples).min(1.0);
-            let square = block.around.at(part, known);
-            let root = (block.allocated.at(part, known) / (block.cost * block.share)).sqrt();
+        let roots = self.blocks.iter().map(|block| {
+            let square = block.around.at(part);
+            let root = (block.allocated.at(part) / (block.cost * block.share)).sqrt();
             errors += if square > 0.0 { square * self.samples / root } else { 0.0 };
             root
         });
@@ -302,12 +295,11 @@ impl FilmNoise {
         let mut all = Allocated { samples: 0.0, work: 0.0, most: 0.0, square: 0.0, missed: false };
         for (block, &samples) in self.blocks.iter().zip(samples) {
             let fall = decay.at(samples);
-            let square = block.squares.at(part, fall.min(1.0));
             let samples = f64::from(samples);
             all.samples += block.share * samples;
             all.work += block.share * block.cost * samples;
             all.most = all.most.max(samples);
-            all.square += square * fall;
+            all.square += block.squares.at(part) * fall;
         }
         Allocated { square: all.square * self.scale(uncertainty), ..all }
     }
@@ -327,9 +319,6 @@ impl FilmNoise {
 
 /// How squared errors fall beyond the samples of the pilot. Blocks have few different numbers of samples, so those that
 /// were computed are kept.
-///
-/// It is also what the sampler still knows of outliers: it gives their block more samples, which seldom meet another
-/// one, and forgets half of what it knew whenever they double.
 struct DecayTable {
     samples: f64,
     power: f64,
@@ -353,12 +342,10 @@ impl DecayTable {
 }
 
 impl PassEstimates {
-    /// Mixes what the last pass shows, weighted by `part`, with what the passes before it show. Of the outliers, a
-    /// share counts.
-    fn at(&self, part: f64, outliers: f64) -> f64 {
-        let [regular, all] =
-            [self.regular, self.all].map(|[last, before]| part * last + (1.0 - part) * before);
-        regular + (all - regular) * outliers
+    /// Mixes what the last pass shows, weighted by `part`, with what the passes before it show.
+    fn at(&self, part: f64) -> f64 {
+        let Self([last, before]) = self;
+        part * last + (1.0 - part) * before
     }
 }
 
@@ -369,7 +356,7 @@ mod tests {
     /// A film of two halves. The second has nine times the squared error of the first.
     fn film(power: f64) -> PilotFilm {
         let block = |square: f64| {
-            let [squares, around, allocated] = [PassEstimates { all: [square; 2], regular: [square; 2] }; 3];
+            let [squares, around, allocated] = [PassEstimates([square; 2]); 3];
             BlockNoise { squares, around, allocated, share: 0.5, cost: 1.0 }
         };
         let blocks = vec![block(0.001), block(0.009)];
@@ -409,22 +396,6 @@ mod tests {
         assert!(found.samples < 128.0, "{found:?}");
         let even = forecast(&film(1.0), found.samples as u32, None);
         assert!(found.error < even.error);
-    }
-
-    /// An outlier keeps its block busy, and what is forgotten of it takes less than noise would.
-    #[test]
-    fn outliers_are_forgotten() {
-        let took = |regular: f64| {
-            let mut film = film(1.0);
-            let block = &mut film.noise.as_mut().expect("random samples").blocks[1];
-            for of in [&mut block.squares, &mut block.around, &mut block.allocated] {
-                *of = PassEstimates { all: [0.09; 2], regular: [regular; 2] };
-            }
-            forecast(&film, 1, Some((0.05, 1 << 20))).samples
-        };
-        assert!(took(0.001) < took(0.045) && took(0.045) < took(0.09));
-        let without = forecast(&film(1.0), 1, Some((0.05, 1 << 20))).samples;
-        assert!(took(0.001) > without, "{} {without}", took(0.001));
     }
 
     #[test]

@@ -14,41 +14,13 @@ pub struct Passes {
     pub falls: Vec<f64>,
 }
 
-/// A pixel is an outlier if it has this share of the squared error of its patch.
-const OUTLIER: f64 = 0.9;
-
 /// What is known of the blocks with a weighting.
 #[derive(Default)]
 struct WeightingErrors {
     /// Each block's squared error combined from all passes.
     blocks: Vec<BlockError>,
-    /// The same from the last pass and from those before it, with outliers and without.
-    apart: Vec<PassEstimates>,
-}
-
-/// One of the estimates of a block.
-type Part = fn(&PassEstimates) -> f64;
-
-impl PassEstimates {
-    /// Computes something from each of the estimates.
-    fn for_each<T>(compute: impl Fn(Part) -> T) -> [T; 4] {
-        let all: [Part; 4] = [|of| of.all[0], |of| of.all[1], |of| of.regular[0], |of| of.regular[1]];
-        all.map(compute)
-    }
-
-    /// What was computed for a block.
-    fn of_place([last, before, regular, regular_before]: &[&Vec<f64>; 4], place: usize) -> Self {
-        Self { all: [last[place], before[place]], regular: [regular[place], regular_before[place]] }
-    }
-
-    fn map(self, change: impl Fn(f64) -> f64) -> Self {
-        Self { all: self.all.map(&change), regular: self.regular.map(&change) }
-    }
-}
-
-/// The squared error of a block without an outlier.
-fn regular(block: &BlockError) -> f64 {
-    block.square - if block.largest > OUTLIER * block.patch { block.largest } else { 0.0 }
+    /// The same from the last pass, and from those before it.
+    apart: Vec<[f64; 2]>,
 }
 
 impl WeightingErrors {
@@ -71,18 +43,14 @@ impl WeightingErrors {
 
     /// Adds a pass whose squared errors are `fall` powers of two below those of the passes before, if there were any.
     fn add(&mut self, mut blocks: Vec<BlockError>, fall: Option<f64>) {
-        let both =
-            |block: &BlockError| PassEstimates { all: [block.square; 2], regular: [regular(block); 2] };
-        self.apart = blocks.iter().map(both).collect();
+        self.apart = blocks.iter().map(|block| [block.square; 2]).collect();
         if let Some(fall) = fall {
             // Earlier passes contribute half of the estimate.
             let factor = libm::exp2(-fall.clamp(1.0, 1.5));
             let parts = blocks.iter_mut().zip(&self.blocks).zip(&mut self.apart);
             for ((block, before), apart) in parts {
-                (apart.all[1], apart.regular[1]) = (factor * before.square, factor * regular(before));
-                block.largest = (block.largest + factor * before.largest) / 2.0;
+                apart[1] = factor * before.square;
                 block.square = (block.square + factor * before.square) / 2.0;
-                block.patch = (block.patch + factor * before.patch) / 2.0;
                 block.variance = (block.variance + factor * factor * before.variance) / 4.0;
             }
         }
@@ -137,19 +105,19 @@ impl Passes {
         let rays = worst.mean(|block| block.rays);
         let cost = |block: &BlockError| (block.rays / rays).max(1e-3);
         let work: Vec<f64> = worst.blocks.iter().map(|block| cost(block) * block.pixels / pixels).collect();
-        let estimates = PassEstimates::for_each(|of| {
-            let around = variances(worst, of, near);
+        let around = [0, 1].map(|of| variances(worst, of, near));
+        let allocated = [0, 1].map(|of| {
             let all = self.weighted.iter().map(|frame| variances(frame, of, near));
-            let mixed = allocation::of_frames(&around, all, &work);
-            [around, mixed]
+            allocation::of_frames(&around[of], all, &work)
         });
-        let [around, allocated] = [0, 1].map(|kind| estimates.each_ref().map(|both| &both[kind]));
+        let of_place =
+            |[last, before]: &[Vec<f64>; 2], place: usize| PassEstimates([last[place], before[place]]);
         let blocks = worst.blocks.iter().enumerate().map(|(place, block)| {
             let share = block.pixels / pixels;
             BlockNoise {
-                squares: worst.apart[place].map(|square| share * square / unit),
-                around: PassEstimates::of_place(&around, place),
-                allocated: PassEstimates::of_place(&allocated, place),
+                squares: PassEstimates(worst.apart[place].map(|square| share * square / unit)),
+                around: of_place(&around, place),
+                allocated: of_place(&allocated, place),
                 share,
                 cost: cost(block),
             }
@@ -171,12 +139,13 @@ impl Passes {
     }
 }
 
-/// The parts of the blocks in the squared error, as the sampler sees them, with those around.
-fn variances(weighted: &WeightingErrors, of: Part, near: &[Vec<usize>]) -> Vec<f64> {
+/// The parts of the blocks in the squared error, as the sampler sees them, with those around: by the last pass, or by those
+/// before it.
+fn variances(weighted: &WeightingErrors, of: usize, near: &[Vec<usize>]) -> Vec<f64> {
     let WeightingErrors { blocks, apart } = weighted;
     let unit = weighted.unit() * blocks.iter().map(|block| block.pixels).sum::<f64>();
-    let own = |(block, apart): (&BlockError, &PassEstimates)| of(apart) * block.pixels / unit;
-    let own: Vec<f64> = blocks.iter().zip(apart).map(own).collect();
+    let own: Vec<f64> =
+        blocks.iter().zip(apart).map(|(block, apart)| apart[of] * block.pixels / unit).collect();
     allocation::with_neighbors(&own, |place| near[place].iter().copied())
 }
 
@@ -184,34 +153,35 @@ fn variances(weighted: &WeightingErrors, of: Part, near: &[Vec<usize>]) -> Vec<f
 mod tests {
     use super::*;
 
-    fn block(square: f64, largest: f64) -> BlockError {
-        BlockError {
-            pixels: 64.0,
-            mean: 1.0,
-            square,
-            patch: square,
-            largest,
-            rays: 2.0,
-            ..BlockError::default()
-        }
+    fn block(square: f64) -> BlockError {
+        BlockError { pixels: 16.0, mean: 1.0, square, rays: 2.0, ..BlockError::default() }
     }
 
     /// The sampler allocates by a quarter of a block's noise and three quarters of that around it.
     #[test]
     fn noise_is_mixed_with_that_of_neighbours() {
         let mut weighted = WeightingErrors::default();
-        weighted.add(vec![block(0.02, 0.001), block(0.0, 0.0), block(0.04, 0.039)], None);
+        weighted.add([0.02, 0.0, 0.04].map(block).into(), None);
         let passes = Passes { weighted: vec![weighted], samples: 8.0, falls: Vec::new() };
-        let noise = passes.noise(&[vec![0, 1], vec![0, 1, 2], vec![1, 2]], 3.0 * 64.0);
+        let noise = passes.noise(&[vec![0, 1], vec![0, 1, 2], vec![1, 2]], 3.0 * 16.0);
         let [first, middle, last] = &noise.blocks[..] else { panic!("three blocks") };
-        let near = |found: f64, expected: f64| (found - expected).abs() < 1e-15;
-        assert!(near(first.around.all[0], 0.0125 / 3.0) && near(last.around.all[1], 0.025 / 3.0));
-        assert!(near(middle.around.all[0], 0.015 / 3.0) && near(middle.squares.all[0], 0.0));
-        // Without the pixel that holds most of the error.
-        assert!(near(last.squares.regular[0], 0.001 / 3.0) && near(first.squares.regular[0], 0.02 / 3.0));
+        let near = |found: PassEstimates, expected: f64| {
+            found.0.iter().all(|found| (found - expected / 3.0).abs() < 1e-15)
+        };
+        assert!(near(first.around, 0.0125) && near(middle.around, 0.015) && near(last.around, 0.025));
+        assert!(near(first.squares, 0.02) && near(middle.squares, 0.0) && near(last.squares, 0.04));
         // Samples are proportional to the root of this; all blocks cost the same.
-        let ratio = first.allocated.all[0] / middle.allocated.all[0];
+        let ratio = first.allocated.0[0] / middle.allocated.0[0];
         assert!((ratio - 12.5 / 15.0).abs() < 1e-12, "{ratio}");
+    }
+
+    /// Passes are kept apart, so that those that allocate samples can differ from those that judge them.
+    #[test]
+    fn earlier_passes_are_scaled_to_the_samples_of_the_last() {
+        let mut weighted = WeightingErrors::default();
+        weighted.add(vec![block(0.04)], None);
+        weighted.add(vec![block(0.01)], Some(1.0));
+        assert_eq!((weighted.apart[0], weighted.blocks[0].square), ([0.01, 0.02], 0.015));
     }
 
     #[test]
