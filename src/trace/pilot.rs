@@ -272,9 +272,10 @@ mod tests {
 
     #[test]
     fn neighbours_are_those_that_were_chosen() {
-        let mut pilot = PilotBlocks::new((24, 16), usize::MAX, 1, 0);
-        assert_eq!(pilot.neighbourhoods()[0], [0, 1, 3, 4]);
-        assert_eq!(pilot.neighbourhoods()[4], [0, 1, 2, 3, 4, 5]);
+        // Four blocks of one patch, then two of the next one.
+        let mut pilot = PilotBlocks::new((12, 8), usize::MAX, 1, 0);
+        assert_eq!(pilot.neighbourhoods()[0], [0, 1, 2, 3]);
+        assert_eq!(pilot.neighbourhoods()[1], [0, 1, 4, 2, 3, 5]);
         pilot.keep(&[5, 0, 1]);
         assert_eq!(pilot.blocks.iter().map(|block| block.cell).collect::<Vec<_>>(), [(0, 0), (1, 0), (2, 1)]);
         assert_eq!(pilot.neighbourhoods(), [vec![0, 1], vec![0, 1, 2], vec![1, 2]]);

@@ -13,6 +13,7 @@
 use super::block::Block;
 use super::estimate::ErrorEstimate;
 use crate::sequence::quality::NoiseTarget;
+use rayon::prelude::*;
 use std::f64::consts::SQRT_2;
 
 /// Which of the blocks, in rows of `columns`, get twice the samples. None if the frame has reached its target.
@@ -98,9 +99,11 @@ struct Allocation {
 
 impl Allocation {
     fn new(blocks: &[Block], estimate: &ErrorEstimate, columns: usize) -> Self {
-        let costs: Vec<f64> = blocks.iter().map(Block::cost).collect();
-        let worst = variances(blocks, estimate, estimate.worst().0, columns);
-        let all = (0..estimate.weightings()).map(|frame| variances(blocks, estimate, frame, columns));
+        let costs: Vec<f64> = blocks.par_iter().map(Block::cost).collect();
+        let pixels: f64 = blocks.iter().map(|block| f64::from(block.pixels())).sum();
+        let of_frame = |frame: usize| variances(blocks, estimate, (frame, pixels), columns);
+        let worst = of_frame(estimate.worst().0);
+        let all = (0..estimate.weightings()).map(of_frame);
         let mixed = of_frames(&worst, all, &costs);
         let samples: Vec<f64> = mixed.iter().zip(&costs).map(|(mixed, cost)| (mixed / cost).sqrt()).collect();
         let left = worst.iter().zip(&samples).filter(|(variance, _)| **variance > 0.0);
@@ -109,10 +112,14 @@ impl Allocation {
 }
 
 /// The variance per sample of each block with a weighting, as its own samples and its neighbourhood show it.
-fn variances(blocks: &[Block], estimate: &ErrorEstimate, weighting: usize, columns: usize) -> Vec<f64> {
-    let pixels: f64 = blocks.iter().map(|block| f64::from(block.pixels())).sum();
+fn variances(
+    blocks: &[Block],
+    estimate: &ErrorEstimate,
+    (weighting, pixels): (usize, f64),
+    columns: usize,
+) -> Vec<f64> {
     let own = |block: &Block| estimate.part(weighting, block, pixels) * f64::from(block.drawn());
-    let own: Vec<f64> = blocks.iter().map(own).collect();
+    let own: Vec<f64> = blocks.par_iter().map(own).collect();
     with_neighbors(&own, |block| neighbourhood(block, columns, blocks.len()))
 }
 
@@ -121,13 +128,16 @@ fn variances(blocks: &[Block], estimate: &ErrorEstimate, weighting: usize, colum
 const OWN: f64 = 0.25;
 
 /// [`OWN`] of each number, and the rest of the mean of those near it, which `near` gives, itself included.
-pub fn with_neighbors<N: IntoIterator<Item = usize>>(own: &[f64], near: impl Fn(usize) -> N) -> Vec<f64> {
+pub fn with_neighbors<N: IntoIterator<Item = usize>>(
+    own: &[f64],
+    near: impl Fn(usize) -> N + Sync,
+) -> Vec<f64> {
     let around = |place: usize| {
         let numbers = near(place).into_iter().map(|other| own[other]);
         let (sum, count) = numbers.fold((0.0, 0.0), |(sum, count), number| (sum + number, count + 1.0));
         sum / count
     };
-    own.iter().enumerate().map(|(place, own)| OWN * own + (1.0 - OWN) * around(place)).collect()
+    own.par_iter().enumerate().map(|(place, own)| OWN * own + (1.0 - OWN) * around(place)).collect()
 }
 
 /// A place among `all` in rows of `columns`, and those next to it, at most eight.

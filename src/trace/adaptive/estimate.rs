@@ -7,10 +7,11 @@
 //! with independent samples, and less if the error falls faster. In a frame of different parts, the error later falls
 //! more slowly. So the truth is between the two.
 
-use super::block::{Block, Trend};
+use super::block::Block;
 use crate::base::color::Rgb;
 use crate::base::math::max;
 use crate::film::{Noise, StratificationGain, Variances, Z_95};
+use rayon::prelude::*;
 
 /// The least factor by which squared errors are assumed to fall when samples double: 2^-1.5, as in the smoothest parts.
 const LEAST_FALL: f64 = 0.353_553_390_593_273_8;
@@ -34,22 +35,24 @@ struct ErrorDecay {
 impl ErrorDecay {
     /// Measured by the blocks that took part in the last round and one before it.
     fn of(blocks: &[Block]) -> Self {
-        let total = |part: fn(&Trend) -> (f64, f64)| {
-            let (mut square, mut variance) = (0.0, 0.0);
-            for block in blocks {
-                let Some(trend) = &block.trend else { continue };
-                let (pixels, (part, of_part)) = (f64::from(block.pixels()), part(trend));
-                square += pixels * part;
-                variance += pixels * pixels * of_part;
+        let add = |[before, after]: &mut [(f64, f64); 2], block: &Block| {
+            let Some(trend) = &block.trend else { return };
+            let pixels = f64::from(block.pixels());
+            for (sum, (square, variance)) in [(before, trend.before), (after, trend.after)] {
+                *sum = (sum.0 + pixels * square, sum.1 + pixels * pixels * variance);
             }
-            (square, variance / (square * square))
         };
-        let ((before, of_before), (after, of_after)) =
-            (total(|trend| trend.before), total(|trend| trend.after));
+        let join = |all: &mut [(f64, f64); 2], part: &[(f64, f64); 2]| {
+            all.iter_mut().zip(part).for_each(|(all, part)| *all = (all.0 + part.0, all.1 + part.1));
+        };
+        let [(before, of_before), (after, of_after)] = sum_of(blocks, add, join);
         if before == 0.0 || after == 0.0 {
             return Self { factor: 0.5, variance: f64::INFINITY };
         }
-        Self { factor: (after / before).clamp(LEAST_FALL, 0.5), variance: of_before + of_after }
+        Self {
+            factor: (after / before).clamp(LEAST_FALL, 0.5),
+            variance: of_before / (before * before) + of_after / (after * after),
+        }
     }
 
     fn gain(&self) -> StratificationGain {
@@ -73,7 +76,7 @@ impl ErrorEstimate {
     /// Combines the errors of blocks that have ended a round.
     pub fn new(blocks: &mut [Block], weightings: &[Vec<Rgb>]) -> Self {
         let decay = ErrorDecay::of(blocks);
-        blocks.iter_mut().for_each(|block| block.join(decay.factor));
+        blocks.par_iter_mut().for_each(|block| block.join(decay.factor));
         let errors = weightings.iter().map(|weights| FrameError::new(blocks, weights)).collect();
         Self { weightings: weightings.to_vec(), errors, gain: decay.gain() }
     }
@@ -115,16 +118,22 @@ impl ErrorEstimate {
 
 impl FrameError {
     fn new(blocks: &[Block], weights: &[Rgb]) -> Self {
-        let pixels: f64 = blocks.iter().map(|block| f64::from(block.pixels())).sum();
-        let mut all = Self::default();
-        for block in blocks {
-            let share = f64::from(block.pixels()) / pixels;
-            let part = block.square(weights);
-            all.mean += share * block.mean(weights);
-            all.square += share * part.square;
-            all.variances.add_scaled(&part.variances, share * share);
-        }
-        let Self { mean, square, variances } = all;
+        let add = |(pixels, all): &mut (f64, Self), block: &Block| {
+            let (count, part) = (f64::from(block.pixels()), block.square(weights));
+            *pixels += count;
+            all.mean += count * block.mean(weights);
+            all.square += count * part.square;
+            all.variances.add_scaled(&part.variances, count * count);
+        };
+        let join = |(pixels, all): &mut (f64, Self), (more, part): &(f64, Self)| {
+            *pixels += more;
+            all.mean += part.mean;
+            all.square += part.square;
+            all.variances.add_scaled(&part.variances, 1.0);
+        };
+        let (pixels, all) = sum_of(blocks, add, join);
+        let (mean, square) = (all.mean / pixels, all.square / pixels);
+        let variances = all.variances.scaled(1.0 / (pixels * pixels));
         let (unit, fourth) = (mean * mean, mean * mean * mean * mean);
         if fourth > 0.0 {
             Self { mean, square: square / unit, variances: variances.scaled(1.0 / fourth) }
@@ -132,4 +141,21 @@ impl FrameError {
             Self::default()
         }
     }
+}
+
+/// Adds up something of all blocks, in parts that depend on the number of blocks alone, not on threads.
+fn sum_of<T: Default + Send>(
+    blocks: &[Block],
+    add: impl Fn(&mut T, &Block) + Sync,
+    join: impl Fn(&mut T, &T),
+) -> T {
+    const PART: usize = 512;
+    let parts = blocks.par_chunks(PART).map(|part| {
+        let mut sum = T::default();
+        part.iter().for_each(|block| add(&mut sum, block));
+        sum
+    });
+    let (parts, mut all): (Vec<T>, T) = (parts.collect(), T::default());
+    parts.iter().for_each(|part| join(&mut all, part));
+    all
 }

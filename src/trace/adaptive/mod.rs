@@ -229,15 +229,18 @@ impl AdaptiveFrame {
         let layers = film.layers();
         let aovs = self.layers.0.len()..self.layers.0.len() + self.aovs.layers();
         let held: Vec<usize> = film.held.iter().map(|layer| layer.index()).chain(aovs).collect();
-        let data = film.data_mut();
-        for block in &self.blocks {
-            for (index, (x, y)) in block.places().enumerate() {
-                let at = (y * self.size.0 + x) as usize * layers;
-                for (layer, value) in held.iter().zip(&mut data[at..at + layers]) {
-                    *value = block.value(index, *layer).as_vec3();
+        let (width, columns) = (self.size.0, self.size.0.div_ceil(SIDE) as usize);
+        let bands = film.data_mut().par_chunks_mut((width * SIDE) as usize * layers);
+        bands.zip(self.blocks.par_chunks(columns)).for_each(|(band, blocks)| {
+            for block in blocks {
+                for (index, (x, y)) in block.places().enumerate() {
+                    let at = (y % SIDE * width + x) as usize * layers;
+                    for (layer, value) in held.iter().zip(&mut band[at..at + layers]) {
+                        *value = block.value(index, *layer).as_vec3();
+                    }
                 }
             }
-        }
+        });
         film.noises = self.noises().into();
         film.shown_as(0, &self.layers.0)
     }
