@@ -15,7 +15,7 @@ use std::time::Duration;
 pub struct TimeLimitOption {
     /// Maximum time for tracing, such as 60s or 10min; takes as many samples as fit
     ///
-    /// A pilot traces a few blocks of pixels to choose the number of samples. All frames get the
+    /// A pilot traces a few patches of pixels to choose the number of samples. All frames get the
     /// same number, which is printed. --samples with that number gives the same pictures on any
     /// machine. With --noise, the run ends at the target error or at the time limit.
     #[arg(

@@ -137,17 +137,16 @@ impl PilotBlocks {
         let (seed, mut pixels) = (self.seed, PixelTracer::new(scene, bvh, settings, moment));
         pixels.random = random;
         let pixels = &pixels;
-        let patches: Vec<usize> = self.patches().map(<[_]>::len).collect();
-        let most = patches.len().div_ceil(rayon::current_num_threads());
-        let together = patches_together(samples.len(), moment.of).clamp(1, most.max(1));
+        let most = self.places.len().div_ceil(rayon::current_num_threads());
+        let together = pixels_together(samples.len(), moment.of).min(most);
         let mut groups = Vec::new();
         let (mut places, mut sums, mut rest) = (&self.places[..], &mut self.all[..], &mut self.blocks[..]);
-        for patches in patches.chunks(together) {
+        while !rest.is_empty() {
             let (blocks, own, own_sums);
-            (blocks, rest) = rest.split_at_mut(patches.iter().sum());
-            let count = blocks.iter().map(|block| block.pixels.len()).sum();
-            (own, places) = places.split_at(count);
-            (own_sums, sums) = sums.split_at_mut(count * self.layers);
+            let (count, pixels) = first_group(rest, together);
+            (blocks, rest) = rest.split_at_mut(count);
+            (own, places) = places.split_at(pixels);
+            (own_sums, sums) = sums.split_at_mut(pixels * self.layers);
             groups.push((blocks, own, own_sums));
         }
         let counts = groups.into_par_iter().with_max_len(ONE_EACH).map(|(blocks, places, sums)| {
@@ -170,21 +169,27 @@ impl PilotBlocks {
         });
         found.collect()
     }
-
-    /// The blocks of each patch.
-    fn patches(&self) -> impl Iterator<Item = &[PilotBlock]> {
-        self.blocks.chunk_by(|a, b| a.patch() == b.patch())
-    }
 }
 
-/// How many patches fill a wave if each pixel takes so many samples at several moments. A frame's waves are full, but a
-/// moment's samples of one patch are few, so each would take up to twice as long. Without moments, the rays of each
-/// patch are its own.
-fn patches_together(samples: usize, moments: u32) -> usize {
-    match moments {
-        1 => 1,
-        _ => WAVE * moments as usize / ((PATCH * PATCH) as usize * samples.max(1)),
+/// How many pixels fill a wave if each takes so many samples at several moments; at least those of a patch. A frame's waves
+/// are full, but a moment's samples of one patch are few, so each would take up to twice as long. Without moments, the rays
+/// of each patch are its own.
+fn pixels_together(samples: usize, moments: u32) -> usize {
+    let patch = (PATCH * PATCH) as usize;
+    if moments > 1 { (WAVE * moments as usize / samples.max(1)).max(patch) } else { patch }
+}
+
+/// The numbers of the first blocks, and of their pixels: whole patches of at most `most` pixels, and at least one.
+fn first_group(blocks: &[PilotBlock], most: usize) -> (usize, usize) {
+    let (mut count, mut pixels) = (0, 0);
+    for patch in blocks.chunk_by(|a, b| a.patch() == b.patch()) {
+        let more: usize = patch.iter().map(|block| block.pixels.len()).sum();
+        if count > 0 && pixels + more > most {
+            break;
+        }
+        (count, pixels) = (count + patch.len(), pixels + more);
     }
+    (count, pixels)
 }
 
 /// Divides the rays of blocks that share waves by their pixels.
@@ -267,7 +272,7 @@ mod tests {
     #[test]
     fn blocks_at_the_edge_have_the_pixels_that_are_left() {
         let pilot = PilotBlocks::new((20, 9), usize::MAX, 1, 0);
-        assert_eq!((pilot.blocks.len(), pilot.patches().count(), pilot.pixels()), (15, 6, 180));
+        assert_eq!((pilot.blocks.len(), pilot.pixels()), (15, 180));
     }
 
     #[test]
@@ -283,8 +288,14 @@ mod tests {
 
     #[test]
     fn few_samples_of_a_moment_share_waves() {
-        let together = [(1, 1), (16, 16), (64, 16), (512, 32)].map(|(n, of)| patches_together(n, of));
-        assert_eq!(together, [1, 16, 4, 1]);
+        let together = [(1, 1), (16, 16), (64, 16), (512, 32)].map(|(n, of)| pixels_together(n, of));
+        assert_eq!(together, [64, 1024, 256, 64]);
+        let mut pilot = PilotBlocks::new((16, 8), usize::MAX, 1, 0);
+        let groups = |pilot: &PilotBlocks| [1, 64, 128].map(|most| first_group(&pilot.blocks, most));
+        assert_eq!(groups(&pilot), [(4, 64), (4, 64), (8, 128)]);
+        // Two blocks of the first patch, and one of the second.
+        pilot.keep(&[0, 3, 5]);
+        assert_eq!(groups(&pilot), [(2, 32), (3, 48), (3, 48)]);
     }
 
     /// One pixel whose halves are 1 and 3 in all colours. Independent samples would have a squared error of 1.

@@ -232,6 +232,21 @@ fn adaptive_frames_do_not_depend_on_threads() {
         pool.install(|| shoot(&switched(), [0]).remove(0).film)
     };
     assert_eq!(shoot_on(1), shoot_on(3));
+    // More blocks than one part of their sums, and incomplete ones at both edges.
+    let large = |threads, quality: &str| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let text = format!(
+            "(output: (size: (101, 90)), quality: ({quality}), ambient: 0, camera: (position: (0, 2, 6)),
+            lights: {{ \"lamp\": Sphere(center: (3, 5, 1), radius: 1, intensity: 9) }},
+            objects: {{ \"floor\": (shape: Plane()), \"ball\": (shape: Sphere(center: (0, 1, 0))) }})"
+        );
+        pool.install(|| shoot(&sequence(&text), [0]).remove(0).film)
+    };
+    let film = large(1, "noise: 0.02, max_samples: 64");
+    assert_eq!(film, large(3, "noise: 0.02, max_samples: 64"));
+    assert!(film.noise.is_some_and(|noise| noise.samples > 16.0 && noise.samples < 64.0), "{:?}", film.noise);
+    let [least, even] = ["noise: 0.0001, max_samples: 16", "samples: 16"].map(|quality| large(2, quality));
+    assert_eq!(least.radiance().collect::<Vec<_>>(), even.radiance().collect::<Vec<_>>());
 }
 
 /// Smooth parts take fewer samples than difficult ones, and no pixel takes more than it may.

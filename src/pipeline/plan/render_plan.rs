@@ -82,7 +82,7 @@ impl Plan {
         plan
     }
 
-    /// The plan if no films share paths. The time of such a plan can be predicted from a few blocks of pixels, so runs with
+    /// The plan if no films share paths. The time of such a plan can be predicted from a few patches of pixels, so runs with
     /// a time limit use it.
     pub fn without_shared_paths(self) -> Self {
         Self { sharing_budget: 0, ..self }

@@ -124,7 +124,8 @@ fn variances(
 }
 
 /// The part of a block's own variance in that by which it is sampled. The rest is the mean of its neighbourhood. With a
-/// half, blocks that look quiet by chance get too few samples, and true errors exceed what pictures state.
+/// half and blocks of 4 x 4 pixels, those that look quiet by chance get too few samples, and true errors exceed what
+/// pictures state.
 const OWN: f64 = 0.25;
 
 /// [`OWN`] of each number, and the rest of the mean of those near it, which `near` gives, itself included.

@@ -3,7 +3,6 @@
 //! Each round doubles the samples. The means of the samples before and after give the squared error
 //! ([`super::halves`]).
 
-use super::PATCH;
 use super::halves::SampleHalves;
 use super::layer_products::LayerProducts;
 use crate::base::color::Rgb;
@@ -108,11 +107,6 @@ impl Block {
 
     pub fn pixels(&self) -> u32 {
         self.width * self.height
-    }
-
-    /// The row and column of its patch: blocks of a patch are traced together.
-    pub fn patch(&self) -> (u32, u32) {
-        (self.top / PATCH, self.left / PATCH)
     }
 
     /// Samples of each pixel.
@@ -295,5 +289,53 @@ impl Block {
             ErrorVariance { estimate: variance, truth: variance }
         });
         Some(SquaredErrors { products, variances: Variances { bound, measured } })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A block of two pixels after four samples, in a round that ends at eight.
+    fn block() -> Block {
+        let layers = Arc::new(PixelLayers { count: 2, held: vec![1] });
+        let mut block = Block::new((0, 0), (2, 1), layers, 4);
+        block.take_sums(&[1.0, 4.0, 2.0, 8.0].map(DVec3::splat), 10, Moment::ONLY);
+        block.end_round();
+        block.join(0.5);
+        block.start_round(8);
+        block
+    }
+
+    const AFTER: [f64; 4] = [3.0, 12.0, 5.0, 12.0];
+
+    /// The second layer of the first pixel has means of 1 and 2 in the halves, that of the second one 2 and 1.
+    #[test]
+    fn moments_make_one_round() {
+        let mut once = block();
+        once.take_sums(&AFTER.map(DVec3::splat), 6, Moment::ONLY);
+        let mut parts = block();
+        parts.take_sums(&[2.0, 9.0, 3.0, 8.0].map(DVec3::splat), 4, Moment { index: 0, of: 2 });
+        parts.take_sums(&AFTER.map(DVec3::splat), 2, Moment { index: 1, of: 2 });
+        for mut block in [once, parts] {
+            block.end_round();
+            block.join(0.5);
+            let weights = [Rgb::ONE];
+            assert_eq!((block.drawn(), block.mean(&weights), block.cost()), (8, 1.5, 2.0));
+            assert_eq!((block.value(0, 0), block.value(1, 1)), (DVec3::splat(0.375), DVec3::splat(1.5)));
+            assert_eq!(block.square(&weights).square, 0.25);
+        }
+    }
+
+    #[test]
+    fn rounds_that_are_discarded_leave_what_was_before() {
+        let before = block().sums().to_vec();
+        let mut block = block();
+        block.take_sums(&AFTER.map(DVec3::splat), 4, Moment { index: 0, of: 2 });
+        assert!(block.discard_round() && !block.is_open());
+        assert_eq!((block.sums(), block.drawn()), (&before[..], 4));
+        assert_eq!(block.value(1, 1), DVec3::splat(2.0));
+        let mut first = Block::new((0, 0), (1, 1), Arc::new(PixelLayers { count: 1, held: vec![0] }), 4);
+        assert!(!first.discard_round() && first.is_open());
     }
 }

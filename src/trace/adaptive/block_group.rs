@@ -4,11 +4,11 @@
 //! block fill a small part of a wave. Short queues leave lanes empty and pay for the set-up of every stage.
 
 use super::block::Block;
+use super::{PATCH, SIDE};
 use crate::base::math::DVec3;
 use crate::base::stats::Counts;
 use crate::trace::pixels::{PixelTracer, SampleSet};
 use crate::trace::wavefront::WAVE;
-use std::collections::HashMap;
 use std::ops::Range;
 
 /// The most pixels of a group. With more, a round of many moments would be too few groups for all threads, and the costs
@@ -20,27 +20,27 @@ const MOST: usize = 1024;
 pub struct BlockGroup<'a>(Vec<&'a mut Block>);
 
 impl<'a> BlockGroup<'a> {
-    /// The open blocks in groups that fill at most one wave, unless a block alone fills more. A round has this number
-    /// of moments.
-    pub fn of_round(blocks: &'a mut [Block], moments: u32) -> Vec<Self> {
-        let mut open: Vec<&mut Block> = blocks.iter_mut().filter(|block| block.is_open()).collect();
-        open.sort_by_key(|block| block.patch());
+    /// The open blocks of rows of `columns`, in groups that fill at most one wave, unless a block alone fills more. A
+    /// round has this number of moments.
+    pub fn of_round(blocks: &'a mut [Block], columns: usize, moments: u32) -> Vec<Self> {
         let mut groups: Vec<Self> = Vec::new();
-        // The last group of each round, and its pixels.
-        let mut last: HashMap<Range<u32>, (usize, usize)> = HashMap::new();
-        for block in open {
+        // The last group of each number of samples, and its pixels. There are few such numbers.
+        let mut last: Vec<(Range<u32>, usize, usize)> = Vec::new();
+        for block in by_patches(blocks, columns).filter(|block| block.is_open()) {
             let (pixels, round) = (block.pixels() as usize, block.round());
             let most = (WAVE * moments as usize / round.len().max(1)).min(MOST);
-            match last.get_mut(&round) {
-                Some((group, filled)) if *filled + pixels <= most => {
-                    groups[*group].0.push(block);
-                    *filled += pixels;
-                }
-                _ => {
-                    last.insert(round, (groups.len(), pixels));
-                    groups.push(Self(vec![block]));
-                }
+            let known = last.iter().position(|(known, ..)| *known == round).unwrap_or_else(|| {
+                last.push((round, groups.len(), 0));
+                groups.push(Self(Vec::new()));
+                last.len() - 1
+            });
+            let (_, group, filled) = &mut last[known];
+            if *filled > 0 && *filled + pixels > most {
+                (*group, *filled) = (groups.len(), 0);
+                groups.push(Self(Vec::new()));
             }
+            groups[*group].0.push(block);
+            *filled += pixels;
         }
         groups
     }
@@ -76,19 +76,52 @@ impl<'a> BlockGroup<'a> {
     }
 }
 
+/// The blocks of rows of `columns`, patch by patch, so that the rays of a wave stay close to each other.
+fn by_patches(blocks: &mut [Block], columns: usize) -> impl Iterator<Item = &mut Block> {
+    const SIDE_OF_PATCH: usize = (PATCH / SIDE) as usize;
+    blocks.chunks_mut(SIDE_OF_PATCH * columns).flat_map(move |rows| {
+        let mut rows: Vec<_> = rows.chunks_mut(columns).map(|row| row.chunks_mut(SIDE_OF_PATCH)).collect();
+        let patches = (0..columns.div_ceil(SIDE_OF_PATCH)).flat_map(move |_| {
+            let parts: Vec<_> = rows.iter_mut().filter_map(Iterator::next).collect();
+            parts.into_iter().flatten()
+        });
+        patches
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::block::PixelLayers;
     use super::*;
     use std::sync::Arc;
 
+    /// Two rows of blocks whose first round takes these samples.
+    fn rows(columns: u32, first: impl Fn(u32) -> u32) -> Vec<Block> {
+        let layers = Arc::new(PixelLayers { count: 1, held: vec![0] });
+        let block = |place: u32| {
+            let corner = (4 * (place % columns), 4 * (place / columns));
+            Block::new(corner, (4, 4), Arc::clone(&layers), first(place))
+        };
+        (0..2 * columns).map(block).collect()
+    }
+
+    #[test]
+    fn blocks_of_a_patch_follow_each_other() {
+        let mut blocks = rows(5, |_| 4);
+        let corners: Vec<_> = by_patches(&mut blocks, 5).filter_map(|block| block.places().next()).collect();
+        let expected = [0, 0, 1, 1, 0, 0, 1, 1, 0, 1].iter().zip([0, 1, 0, 1, 2, 3, 2, 3, 4, 4]);
+        assert_eq!(corners, expected.map(|(row, column)| (4 * column, 4 * row)).collect::<Vec<_>>());
+        // 64 samples of 16 pixels fill a wave, and 16 those of a patch.
+        for (samples, count) in [(64, 10), (16, 3)] {
+            let mut blocks = rows(5, |_| samples);
+            assert_eq!(BlockGroup::of_round(&mut blocks, 5, 1).len(), count);
+        }
+    }
+
     #[test]
     fn groups_fill_waves_across_blocks_of_other_rounds() {
-        let layers = Arc::new(PixelLayers { count: 1, held: vec![0] });
-        let block =
-            |place: u32| Block::new((4 * place, 0), (4, 4), Arc::clone(&layers), [4, 8][place as usize & 1]);
-        let mut blocks: Vec<Block> = (0..64).map(block).collect();
-        let groups = BlockGroup::of_round(&mut blocks, 1);
+        let mut blocks = rows(32, |place| [4, 8][place as usize & 1]);
+        let groups = BlockGroup::of_round(&mut blocks, 32, 1);
         let samples = |BlockGroup(blocks): &BlockGroup| (blocks.len(), blocks[0].round().len());
         let mut found: Vec<_> = groups.iter().map(samples).collect();
         found.sort_unstable();

@@ -157,8 +157,12 @@ impl AdaptiveFrame {
     /// The samples per pixel that the frame will still take until it reaches its target, as a mean over the pixels, as far as
     /// its samples show; without regard to the limit of samples. Holds for a frame that is settled.
     pub fn samples_left(&self) -> f64 {
-        let columns = self.size.0.div_ceil(SIDE) as usize;
-        allocation::samples_left(&self.blocks, &self.estimate, &self.target, columns)
+        allocation::samples_left(&self.blocks, &self.estimate, &self.target, self.columns())
+    }
+
+    /// The blocks of a row.
+    fn columns(&self) -> usize {
+        self.size.0.div_ceil(SIDE) as usize
     }
 
     /// Whether the samples so far reach the target.
@@ -180,7 +184,8 @@ impl AdaptiveFrame {
         let scene = Scene { weights: &self.layers, ..*scene };
         let pixels = PixelTracer::sampled(&scene, bvh, settings, moment);
         let seed = self.seed;
-        let groups = BlockGroup::of_round(&mut self.blocks, moment.of);
+        let columns = self.columns();
+        let groups = BlockGroup::of_round(&mut self.blocks, columns, moment.of);
         let counts = groups.into_par_iter().with_max_len(ONE_EACH).map(|mut group| {
             if meter.is_stopped() && group.discard_round() {
                 meter.unfinished.store(true, Relaxed);
@@ -204,8 +209,7 @@ impl AdaptiveFrame {
         let refined = if self.blocks.iter().any(|block| block.drawn() < MIN_SAMPLES.min(most)) {
             vec![true; self.blocks.len()]
         } else {
-            let columns = self.size.0.div_ceil(SIDE) as usize;
-            allocation::blocks_to_refine(&self.blocks, &self.estimate, &self.target, columns)
+            allocation::blocks_to_refine(&self.blocks, &self.estimate, &self.target, self.columns())
         };
         if meter.is_stopped() && refined.contains(&true) {
             meter.unfinished.store(true, Relaxed);
@@ -229,9 +233,9 @@ impl AdaptiveFrame {
         let layers = film.layers();
         let aovs = self.layers.0.len()..self.layers.0.len() + self.aovs.layers();
         let held: Vec<usize> = film.held.iter().map(|layer| layer.index()).chain(aovs).collect();
-        let (width, columns) = (self.size.0, self.size.0.div_ceil(SIDE) as usize);
+        let width = self.size.0;
         let bands = film.data_mut().par_chunks_mut((width * SIDE) as usize * layers);
-        bands.zip(self.blocks.par_chunks(columns)).for_each(|(band, blocks)| {
+        bands.zip(self.blocks.par_chunks(self.columns())).for_each(|(band, blocks)| {
             for block in blocks {
                 for (index, (x, y)) in block.places().enumerate() {
                     let at = (y % SIDE * width + x) as usize * layers;

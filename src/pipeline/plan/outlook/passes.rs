@@ -139,8 +139,8 @@ impl Passes {
     }
 }
 
-/// The parts of the blocks in the squared error, as the sampler sees them, with those around: by the last pass, or by those
-/// before it.
+/// The parts of the blocks in the squared error, as the sampler sees them, with those around as far as they are probed: by the
+/// last pass, or by those before it.
 fn variances(weighted: &WeightingErrors, of: usize, near: &[Vec<usize>]) -> Vec<f64> {
     let WeightingErrors { blocks, apart } = weighted;
     let unit = weighted.unit() * blocks.iter().map(|block| block.pixels).sum::<f64>();

@@ -29,7 +29,7 @@ impl PilotTime {
     pub const PLAN: Self = Self { seconds: 1.5, share: f64::INFINITY };
     /// Before a long run. Half of the share limits the number of probed films and of trials of shared paths.
     pub const RUN: Self = Self { seconds: 2.0, share: 0.01 };
-    /// Before a run whose samples depend on its error, which takes more than a few blocks to predict.
+    /// Before a run whose samples depend on its error, which takes more than a few patches to predict.
     pub const RUN_WITH_ERROR: Self = Self { share: 0.03, ..Self::RUN };
 
     /// Before a run of this quality.
