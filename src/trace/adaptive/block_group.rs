@@ -81,11 +81,10 @@ fn by_patches(blocks: &mut [Block], columns: usize) -> impl Iterator<Item = &mut
     const SIDE_OF_PATCH: usize = (PATCH / SIDE) as usize;
     blocks.chunks_mut(SIDE_OF_PATCH * columns).flat_map(move |rows| {
         let mut rows: Vec<_> = rows.chunks_mut(columns).map(|row| row.chunks_mut(SIDE_OF_PATCH)).collect();
-        let patches = (0..columns.div_ceil(SIDE_OF_PATCH)).flat_map(move |_| {
+        (0..columns.div_ceil(SIDE_OF_PATCH)).flat_map(move |_| {
             let parts: Vec<_> = rows.iter_mut().filter_map(Iterator::next).collect();
             parts.into_iter().flatten()
-        });
-        patches
+        })
     })
 }
 
