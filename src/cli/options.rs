@@ -49,8 +49,9 @@ pub struct RenderOptions {
 
     /// Target error where something is random: 0.01 for 1 % [default: as in the sequence]
     ///
-    /// Adds samples where they lower the error of the frame most, until it is below the target. The
-    /// error is the root of the mean squared error of all pixels, relative to the mean brightness.
+    /// Adds samples where they lower the error of the frame most, until it is below the
+    /// target. The error is the root of the mean squared error of all pixels, relative to the
+    /// mean brightness.
     #[arg(
         long, value_name = "ERROR", value_parser = values::noise, allow_hyphen_values = true,
         conflicts_with = "samples", verbatim_doc_comment
