@@ -118,14 +118,14 @@ const DARK: &str = r#"(output: (size: (24, 16)), quality: (QUALITY), background:
         "screen": (shape: Box(min: (-1.5, 0, -9), max: (-1.3, 9, 9)), material: Lambertian(color: 0.05)) })"#;
 
 /// Target errors are met, and stated errors are true: the interval that holds the truth in 95 of 100 frames holds it
-/// in 90 (`least`) to 99, though decisions to stop depend on the same samples. Of 200 frames with a chance of 95 %,
+/// in 90 to 99, though decisions to stop depend on the same samples. Of 200 frames with a chance of 95 %,
 /// fewer than 180 are one case in 300, more than 198 one in 1000.
 #[track_caller]
-fn assert_stated(sequence: &Sequence, (seeds, reference): (u32, u32), least: f64) {
+fn assert_stated(sequence: &Sequence, (seeds, reference): (u32, u32)) {
     let target = sequence.quality.noise.expect("a target error").error;
     let (inside, above, mean) = stated(sequence, 0, 0..seeds, reference);
     let what = format!("{target}: {inside} inside, {above} above, {mean} on average");
-    assert!((least..=0.99).contains(&inside) && above <= 0.1, "{what}");
+    assert!((0.9..=0.99).contains(&inside) && above <= 0.1, "{what}");
     assert!(mean <= target, "{what}");
 }
 
@@ -135,16 +135,22 @@ fn with_quality(scene: &str, quality: &str) -> Sequence {
 
 #[test]
 fn target_errors_are_reached_and_reported() {
-    assert_stated(&soft_shadow("noise: 0.1"), (200, 4096), 0.9);
-    assert_stated(&with_quality(RARE, "noise: 0.2"), (200, 4096), 0.9);
+    assert_stated(&soft_shadow("noise: 0.1"), (200, 4096));
+    assert_stated(&with_quality(RARE, "noise: 0.2"), (200, 4096));
 }
 
 #[test]
-#[ignore = "takes three minutes; cargo test --release --test integration small_target_errors -- --ignored"]
+#[ignore = "takes half a minute; cargo test --release --test integration small_target_errors -- --ignored"]
 fn small_target_errors_are_reached_and_reported() {
-    // So many that shares are known within 1 %. The second picture is a limit that docs/accuracy.md names.
-    assert_stated(&soft_shadow("noise: 0.05"), (2000, 4096), 0.9);
-    assert_stated(&with_quality(DARK, "noise: 0.1"), (2000, 1 << 16), 0.85);
+    // So many that the share is known within 1 %.
+    assert_stated(&soft_shadow("noise: 0.05"), (2000, 4096));
+}
+
+/// Fails: 87 of 100 frames hold the truth. docs/accuracy.md names this limit of the method.
+#[test]
+#[ignore = "not met yet, and takes minutes; cargo test --release --test integration few_lit_pixels -- --ignored"]
+fn few_lit_pixels_have_true_errors() {
+    assert_stated(&with_quality(DARK, "noise: 0.1"), (2000, 1 << 16));
 }
 
 #[test]
