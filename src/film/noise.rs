@@ -33,7 +33,10 @@ impl Noise {
         let at = |z: f64, variance: ErrorVariance| {
             square * f_quantile(z, freedom(variance.truth), freedom(variance.estimate))
         };
-        let (low, high) = (at(-Z_95, variances.measured_with_uncertainty(square)), at(Z_95, variances.bound));
+        let (low, high) = (
+            at(-Z_95, variances.measured_with_uncertainty(square)),
+            at(Z_95, variances.bound_with_uncertainty(square)),
+        );
         // As if the gain and the estimate were independent, the squares of their logarithmic deviations add up.
         let deviation = libm::hypot(libm::log(low / square), libm::log(gain.low / gain.ratio));
         let low = (gain.ratio * square * libm::exp(-deviation)).sqrt();
@@ -83,24 +86,37 @@ impl Variances {
         all
     }
 
-    /// The measured variances of an estimate `square`, enlarged by their own uncertainty, but at most the bounds.
+    /// The bounds of an estimate `square`, enlarged by their own uncertainty.
     ///
-    /// With a variance that is measured from f degrees of freedom, Student's t distribution replaces the normal one. Its
-    /// quantile is about z (1 + (z² + 1) / 4f) for the normal quantile z, so the variance grows by the factor
-    /// 1 + (z² + 1) / 2f. If the estimate is a sum of n squares of normal numbers, its relative variance v is 2 / n. It
-    /// is measured from n / 2 pairs, and the mean fourth power of the difference of two such squares is 9 times the
-    /// square of the mean second power. So f is n / 9 = 2 / 9v.
+    /// If the estimate is a sum of n squares of normal numbers, its bound comes from the n fourth powers. Relative to the square
+    /// of its mean, a fourth power has the variance 105 / 9 - 1 = 32 / 3, and the bound b is about 3 / n. So the relative
+    /// variance of the bound is 32 / 3n = 32 b / 9, as if it were measured from 9 / 16b degrees of freedom.
+    fn bound_with_uncertainty(&self, square: f64) -> ErrorVariance {
+        let enlarged = |bound: f64| bound * of_student(9.0 * square * square / (16.0 * bound));
+        ErrorVariance { estimate: enlarged(self.bound.estimate), truth: enlarged(self.bound.truth) }
+    }
+
+    /// The measured variances of an estimate `square`, enlarged by their own uncertainty, but at most the enlarged bounds.
+    ///
+    /// If the estimate is a sum of n squares of normal numbers, its relative variance v is 2 / n. It is measured from n / 2
+    /// pairs, and the mean fourth power of the difference of two such squares is 9 times the square of the mean second power.
+    /// So it has n / 9 = 2 / 9v degrees of freedom.
     fn measured_with_uncertainty(&self, square: f64) -> ErrorVariance {
-        let enlarged = |measured: f64, bound: f64| {
-            let degrees = 2.0 * square * square / (9.0 * measured);
-            min(bound, measured * (1.0 + (Z_95 * Z_95 + 1.0) / (2.0 * degrees)))
+        let most = self.bound_with_uncertainty(square);
+        let enlarged = |measured: f64, most: f64| {
+            min(most, measured * of_student(2.0 * square * square / (9.0 * measured)))
         };
-        let Self { measured, bound } = self;
         ErrorVariance {
-            estimate: enlarged(measured.estimate, bound.estimate),
-            truth: enlarged(measured.truth, bound.truth),
+            estimate: enlarged(self.measured.estimate, most.estimate),
+            truth: enlarged(self.measured.truth, most.truth),
         }
     }
+}
+
+/// The factor by which a variance that is measured from so many degrees of freedom grows. Student's t distribution replaces the
+/// normal one, whose quantile z becomes about z (1 + (z² + 1) / 4f).
+fn of_student(degrees: f64) -> f64 {
+    1.0 + (Z_95 * Z_95 + 1.0) / (2.0 * degrees)
 }
 
 /// The reduction of the squared error by stratification, whose samples complement each other.

@@ -4,6 +4,7 @@ use crate::base::color::Rgb;
 use crate::base::lanes::{Bits, Color, Level, Mask, Real, Row, SimdKernel, Single, dispatch, lanes};
 use crate::base::math::DVec3;
 use crate::film::LayerId;
+use std::ops::Range;
 
 /// Sums of light: for each layer and each of its channels, one number per sample.
 #[derive(Default)]
@@ -67,6 +68,18 @@ impl Accumulator {
     pub fn get(&self, layer: usize, slot: u32) -> DVec3 {
         let at = self.place(layer, slot);
         DVec3::new(self.sums[at], self.sums[at + self.length], self.sums[at + 2 * self.length])
+    }
+
+    /// A number plus the sums of a layer of consecutive samples, one after the other.
+    #[inline]
+    pub fn added_to(&self, mut sum: DVec3, layer: usize, slots: Range<usize>) -> DVec3 {
+        let (at, count) = (3 * layer * self.length + slots.start, slots.len());
+        let channel = |channel: usize| &self.sums[at + channel * self.length..][..count];
+        let [r, g, b] = [0, 1, 2].map(channel);
+        for slot in 0..count {
+            sum += DVec3::new(r[slot], g[slot], b[slot]);
+        }
+        sum
     }
 
     /// Replaces the sum of a layer of a sample.

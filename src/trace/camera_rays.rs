@@ -59,6 +59,11 @@ impl PixelSamples {
         self.len = 0;
     }
 
+    /// The numbers of the samples within their pixels.
+    pub fn numbers(&self) -> &[u32] {
+        &self.number[..self.len]
+    }
+
     /// Adds a group. There must be room for it.
     #[inline]
     pub fn extend(&mut self, group: &SampleGroup) {

@@ -50,7 +50,7 @@ mod view_reuse;
 mod wavefront;
 mod whitted;
 
-pub use adaptive::{AdaptiveFrame, MIN_SAMPLES, Weightings, allocation, bytes_of_pixel, first_round};
+pub use adaptive::{AdaptiveFrame, MIN_SAMPLES, Weightings, allocation, bytes_of_pixel};
 pub use context::is_random;
 pub use path_reuse::{
     BYTES_PER_POSE, FramePose, MAX_FRAMES, PathObstacle, SharedFrames, sharing_pays, sharing_would_pay,

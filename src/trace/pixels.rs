@@ -4,10 +4,10 @@ use super::camera_rays::{PixelSamples, Placement, SampleGroup};
 use super::context::TraceContext;
 use super::scratch_pool::ScratchPool;
 use super::settings::{Moment, TraceSettings};
-use super::sums::add_sample;
+use super::sums::valid;
 use super::wavefront::{ScratchBuffer, WAVE};
 use crate::base::math::DVec3;
-use crate::base::stats::Counts;
+use crate::base::stats::{Counts, Dropped};
 use crate::film::{LayerId, lit};
 use crate::sampling::{PixelSampler, TimePart};
 use crate::scene::Scene;
@@ -76,17 +76,28 @@ impl<'a> PixelTracer<'a> {
 
     /// Adds a range of the pixels' samples to `sums` or, with several moments, those that belong to this one.
     pub fn add(&self, pixels: &[(u32, u32)], set: &SampleSet, sums: &mut [DVec3]) -> Counts {
+        self.add_to_ends(pixels, (set, &[set.samples.end]), sums)
+    }
+
+    /// The same with a sum for each of the ascending `ends`, pixel by pixel: that of the samples with smaller numbers. The
+    /// last end is that of the range.
+    pub fn add_to_ends(
+        &self,
+        pixels: &[(u32, u32)],
+        (set, ends): (&SampleSet, &[u32]),
+        sums: &mut [DVec3],
+    ) -> Counts {
         let mut scratch = self.take_scratch();
         let (mut samples, mut places) = scratch.take_samples();
         self.each_group(pixels, set, |group| {
             if samples.len() + group.places().len() > WAVE {
-                self.follow(&mut scratch, (&mut samples, &mut places), sums);
+                self.follow(&mut scratch, (&mut samples, &mut places), (ends, sums));
             }
             samples.extend(group);
             places.extend_from_slice(group.places());
         });
         if samples.len() > 0 {
-            self.follow(&mut scratch, (&mut samples, &mut places), sums);
+            self.follow(&mut scratch, (&mut samples, &mut places), (ends, sums));
         }
         scratch.give_back(samples, places);
         let counts = std::mem::take(&mut scratch.counts);
@@ -94,27 +105,47 @@ impl<'a> PixelTracer<'a> {
         counts
     }
 
-    /// Traces the samples of the pixels at these places, and adds the results to the sums of the pixels.
+    /// Traces the samples of the pixels at these places, and adds the results to the sums of the pixels, at each of the ends
+    /// after their numbers.
     #[inline(never)]
     fn follow(
         &self,
         scratch: &mut ScratchBuffer,
         (samples, places): (&mut PixelSamples, &mut Vec<u32>),
-        sums: &mut [DVec3],
+        (ends, sums): (&[u32], &mut [DVec3]),
     ) {
         self.follow_samples(scratch, samples);
         let (limit, lit, layers) = (self.context.quality.clamp, self.context.lit_layers, self.layers());
         let all_light = scratch.sums.is_valid() && lit == layers && limit.is_none();
-        for (slot, place) in (0..).zip(&*places) {
-            let sums = &mut sums[*place as usize * layers..][..layers];
-            for (layer, sum) in sums.iter_mut().enumerate() {
-                let sample = scratch.sums.get(layer, slot);
-                if all_light || layer >= lit {
-                    *sum += sample;
-                } else {
-                    add_sample(sum, sample, limit.map(f64::from), &mut scratch.counts.dropped);
+        let limit = limit.map(f64::from);
+        let (numbers, mut start) = (samples.numbers(), 0);
+        while let Some(&place) = places.get(start) {
+            // Samples of a pixel follow each other, with ascending numbers; or they are few.
+            let run = 1 + places[start + 1..].iter().take_while(|other| **other == place).count();
+            let (numbers, slots) = (&numbers[start..start + run], start..start + run);
+            for (part, end) in (place as usize * ends.len()..).zip(ends) {
+                let below = if numbers[run - 1] < *end { run } else { numbers.partition_point(|n| n < end) };
+                let slots = slots.start..slots.start + below;
+                for layer in 0..layers {
+                    let sum = &mut sums[part * layers + layer];
+                    if all_light || layer >= lit {
+                        *sum = match below {
+                            1 => *sum + scratch.sums.get(layer, slots.start as u32),
+                            _ => scratch.sums.added_to(*sum, layer, slots.clone()),
+                        };
+                        continue;
+                    }
+                    let mut dropped = Dropped::default();
+                    for slot in slots.clone() {
+                        *sum += valid(scratch.sums.get(layer, slot as u32), limit, &mut dropped);
+                    }
+                    // All samples are below the last end, so each is counted once.
+                    if end == &ends[ends.len() - 1] {
+                        scratch.counts.dropped += dropped;
+                    }
                 }
             }
+            start = slots.end;
         }
         samples.clear();
         places.clear();

@@ -1,16 +1,17 @@
-//! Adds samples to the sums of their pixels, without invalid ones.
+//! Samples that are added to the sums of their pixels, without invalid ones.
 
 use crate::base::math::DVec3;
 use crate::base::stats::Dropped;
 
-/// Adds a sample of a layer to a sum. An invalid sample is counted and left out, because it would spoil the pixel. In
+/// What a sample of a layer adds to a sum. An invalid sample is counted and left out, because it would spoil the pixel. In
 /// the mean it counts as black.
 #[inline]
-pub fn add_sample(sum: &mut DVec3, sample: DVec3, limit: Option<f64>, dropped: &mut Dropped) {
+pub fn valid(sample: DVec3, limit: Option<f64>, dropped: &mut Dropped) -> DVec3 {
     if sample.is_finite() && sample.min_element() >= 0.0 {
-        *sum += limit.map_or(sample, |limit| sample.min(DVec3::splat(limit)));
+        limit.map_or(sample, |limit| sample.min(DVec3::splat(limit)))
     } else {
         count_dropped(sample, dropped);
+        DVec3::ZERO
     }
 }
 
@@ -47,7 +48,7 @@ mod tests {
                     // In any of the channels.
                     sample[k as usize % 3] = bad[kind];
                 }
-                add_sample(&mut sum, sample, limit, &mut dropped);
+                sum += valid(sample, limit, &mut dropped);
             }
             let [undefined, infinite, negative, bright] = injected;
             assert!(injected.iter().all(|count| *count > 800));
@@ -63,7 +64,7 @@ mod tests {
             DVec3::new(0.0, f64::NEG_INFINITY, 0.0),
             DVec3::new(0.0, -0.0, -1e-300),
         ] {
-            add_sample(&mut DVec3::ZERO.clone(), sample, None, &mut dropped);
+            assert_eq!(valid(sample, None, &mut dropped), DVec3::ZERO);
         }
         assert_eq!(dropped, Dropped { undefined: 1, infinite: 1, negative: 1 });
     }

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 const MAX_LISTED_FRAMES: usize = 12;
 
 /// In place of an error that could not be measured.
-const UNKNOWN: &str = "unknown: there are too few pixels to measure it";
+const UNKNOWN: &str = "unknown: there are too few pixels or samples to measure it";
 
 /// The remaining error if there was a target: of the worst frame, with its range.
 pub fn lines(noise: &[(u32, Noise)]) -> Vec<String> {

@@ -1,11 +1,11 @@
 //! Films of separate samples, which make one denoised film.
 
 use crate::base::stats::ProgressMeter;
-use crate::film::denoise::{Halves, Memory, SampleFilms, denoise, samples_of_audit};
+use crate::film::denoise::{FIRST_SAMPLES, Halves, Memory, SampleFilms, denoise, samples_of_audit};
 use crate::film::{AovSet, Film, Noise};
 use crate::sampling::hash;
 use crate::sequence::quality::{NoiseTarget, Quality};
-use crate::trace::{AdaptiveFrame, MIN_SAMPLES, TraceSettings, Weightings};
+use crate::trace::{AdaptiveFrame, TraceSettings, Weightings};
 use std::ops::Range;
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -76,7 +76,7 @@ impl SampleSets {
             FilmSet::Audits => 2..PARTS.len(),
         };
         let part = all.start;
-        let picture = quality.noise.map_or(quality.samples, |target| target.most.min(MIN_SAMPLES));
+        let picture = quality.noise.map_or(quality.samples, |target| target.most.min(FIRST_SAMPLES));
         let (picture, memory) = (picture.next_multiple_of(2), memory.clone());
         Self { films: Vec::new(), picture, before: 0, all, part, rays: 0, memory }
     }

@@ -1,10 +1,11 @@
 //! A block of pixels, and the error estimate from its samples.
 //!
-//! Each round doubles the samples. The means of the samples before and after give the squared error
-//! ([`super::halves`]).
+//! Samples double from one of the numbers of a [`Round`] to the next. The means of the samples before and after give the
+//! squared error ([`super::halves`]).
 
 use super::halves::SampleHalves;
 use super::layer_products::LayerProducts;
+use super::round::Round;
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 use crate::film::{ErrorVariance, Variances};
@@ -28,14 +29,14 @@ pub struct Block {
     width: u32,
     height: u32,
     layers: Arc<PixelLayers>,
-    /// The layers of each pixel: the sums of all samples; and of those before this round, while some of its moments are
-    /// still to be traced.
+    /// The layers of each pixel: the sums of all samples before this round.
     sums: Box<[DVec3]>,
-    before: Option<Box<[DVec3]>>,
+    /// While some moments of a round are still to be traced: the sums at each of its ends so far, pixel by pixel.
+    partial: Option<Box<[DVec3]>>,
     /// The number of samples before this round.
     drawn: u32,
-    /// The number of samples after the current round, if the block takes part in it.
-    next: Option<u32>,
+    /// The current round, if the block takes part in it.
+    round: Option<Round>,
     /// Its rays so far. Blocks that are traced together share theirs by their pixels.
     rays: u64,
     /// The mean over the pixels of each layer that holds light.
@@ -79,12 +80,12 @@ impl SquaredErrors {
 }
 
 impl Block {
-    /// A block without samples, whose first round takes `first` samples per pixel.
+    /// A block without samples, before this round.
     pub fn new(
         (left, top): (u32, u32),
         (width, height): (u32, u32),
         layers: Arc<PixelLayers>,
-        first: u32,
+        first: Round,
     ) -> Self {
         let sums = vec![DVec3::ZERO; layers.count * (width * height) as usize];
         Self {
@@ -95,9 +96,9 @@ impl Block {
             means: vec![DVec3::ZERO; layers.held.len()].into(),
             layers,
             sums: sums.into(),
-            before: None,
+            partial: None,
             drawn: 0,
-            next: Some(first),
+            round: Some(first),
             rays: 0,
             last_round: None,
             combined: None,
@@ -115,7 +116,12 @@ impl Block {
     }
 
     pub fn is_open(&self) -> bool {
-        self.next.is_some()
+        self.round.is_some()
+    }
+
+    /// Whether its samples show its error.
+    pub fn is_measured(&self) -> bool {
+        self.combined.is_some()
     }
 
     /// Rays per sample of all pixels: the cost of a sample.
@@ -143,66 +149,93 @@ impl Block {
                 *all = *first + *all * count;
             }
         }
-        (self.drawn, self.next) = (samples / 2, Some(samples));
+        (self.drawn, self.round) = (samples / 2, Some(Round::after(samples / 2, samples)));
         self.take_sums(&all, rays, Moment::ONLY);
     }
 
-    /// Starts a round that ends at `next` samples per pixel.
-    pub fn start_round(&mut self, next: u32) {
-        self.next = Some(next);
+    pub fn start_round(&mut self, round: Round) {
+        self.round = Some(round);
     }
 
-    /// Discards the samples of the current round. Returns whether an earlier round exists; without one, nothing
-    /// happens.
-    pub fn discard_round(&mut self) -> bool {
-        let is_later = self.drawn > 0;
-        if is_later {
-            self.next = None;
-            if let Some(before) = self.before.take() {
-                self.sums = before;
+    /// Shortens the current round as far as pixels keep samples. Returns whether that leaves out any.
+    pub fn shorten_round(&mut self) -> bool {
+        let Some(round) = self.round else { return false };
+        let shorter = round.shortened();
+        if shorter == self.round {
+            return false;
+        }
+        let pixels = self.layers.count * round.ends().len();
+        let first = |all: Box<[DVec3]>| {
+            all.chunks_exact(pixels).flat_map(|ends| &ends[..self.layers.count]).copied().collect()
+        };
+        self.partial = self.partial.take().filter(|_| shorter.is_some()).map(first);
+        self.round = shorter;
+        true
+    }
+
+    /// The current round, if the block takes part in it.
+    pub fn round(&self) -> Option<Round> {
+        self.round
+    }
+
+    /// Adds the sums so far at each end of the current round: for each pixel and each end, those of its layers.
+    pub fn push_sums(&self, all: &mut Vec<DVec3>) {
+        match (&self.partial, &self.round) {
+            (Some(partial), _) => all.extend_from_slice(partial),
+            (None, Some(round)) => {
+                for pixel in self.sums.chunks_exact(self.layers.count) {
+                    round.ends().iter().for_each(|_| all.extend_from_slice(pixel));
+                }
             }
+            (None, None) => {}
         }
-        is_later
     }
 
-    /// The samples of each pixel that the current round takes; none if the block does not take part in it.
-    pub fn round(&self) -> Range<u32> {
-        self.drawn..self.after()
-    }
-
-    /// The sums of all samples: for each pixel, those of its layers.
-    pub fn sums(&self) -> &[DVec3] {
-        &self.sums
-    }
-
-    /// Takes the sums of all samples after a moment of the current round, which has cost it this number of rays. After the
-    /// last moment, the sums before and after the round give its error.
+    /// Takes the sums at each end of the current round after one of its moments, which has cost it this number of rays. After
+    /// the last moment, they give its error.
     pub fn take_sums(&mut self, sums: &[DVec3], rays: u64, moment: Moment) {
-        let before = self.before.take();
-        if moment.index + 1 < moment.of {
-            self.before = Some(before.unwrap_or_else(|| self.sums.clone()));
-        } else {
-            self.last_round = self.errors(before.as_deref().unwrap_or(&self.sums), sums);
-            self.means = self.means(sums);
-        }
-        self.sums.copy_from_slice(sums);
+        let Some(round) = self.round else { return };
         self.rays += rays;
+        if moment.index + 1 < moment.of {
+            self.partial = Some(sums.into());
+            return;
+        }
+        self.partial = None;
+        let (ends, layers) = (round.ends(), self.layers.count);
+        let at = |pixel: usize, part: usize| &sums[(pixel * ends.len() + part) * layers..][..layers];
+        let mut start = round.start();
+        for (part, &end) in ends.iter().enumerate() {
+            let before = |pixel: usize| match part {
+                0 => &self.sums[pixel * layers..][..layers],
+                _ => at(pixel, part - 1),
+            };
+            if start > 0 {
+                let errors = self.errors(start..end, before, |pixel| at(pixel, part));
+                // Earlier rounds have been combined, so this one is of the same round.
+                if let Some(earlier) = self.last_round.replace(errors) {
+                    self.combined = Some(earlier);
+                }
+            }
+            start = end;
+        }
+        for (pixel, own) in self.sums.chunks_exact_mut(layers).enumerate() {
+            own.copy_from_slice(at(pixel, ends.len() - 1));
+        }
+        self.means = self.means(round.end());
     }
 
-    /// The number of samples after the current round.
-    fn after(&self) -> u32 {
-        self.next.unwrap_or(self.drawn)
-    }
-
-    fn means(&self, sums: &[DVec3]) -> Box<[DVec3]> {
-        let factor = 1.0 / (f64::from(self.after()) * f64::from(self.pixels()));
-        let mean = |&layer: &usize| factor * sums[layer..].iter().step_by(self.layers.count).sum::<DVec3>();
+    fn means(&self, samples: u32) -> Box<[DVec3]> {
+        let factor = 1.0 / (f64::from(samples) * f64::from(self.pixels()));
+        let mean =
+            |&layer: &usize| factor * self.sums[layer..].iter().step_by(self.layers.count).sum::<DVec3>();
         self.layers.held.iter().map(mean).collect()
     }
 
     /// Ends a round in which it took part.
     pub fn end_round(&mut self) {
-        (self.drawn, self.next) = (self.after(), None);
+        if let Some(round) = self.round.take() {
+            self.drawn = round.end();
+        }
         let weights = self.unit_weights();
         let [before, after] = [&self.combined, &self.last_round].map(|errors| {
             let error = errors.as_ref().map_or(SquaredError::default(), |errors| errors.weighted(&weights));
@@ -251,19 +284,21 @@ impl Block {
         vec![Rgb::ONE; self.layers.held.len()]
     }
 
-    /// The error by the sums before and after the current round. None if it has no samples, or nothing was before.
-    fn errors(&self, before: &[DVec3], after: &[DVec3]) -> Option<SquaredErrors> {
-        if self.drawn == 0 || self.after() == self.drawn {
-            return None;
-        }
-        let halves = SampleHalves::new(self.drawn, self.after());
+    /// The error by the sums of each pixel before and after these samples.
+    fn errors<'a>(
+        &self,
+        samples: Range<u32>,
+        before: impl Fn(usize) -> &'a [DVec3],
+        after: impl Fn(usize) -> &'a [DVec3],
+    ) -> SquaredErrors {
+        let halves = SampleHalves::new(samples.start, samples.end);
         let factor = halves.factor() / f64::from(self.pixels());
         let held = &self.layers.held;
         let mut products = LayerProducts::new(held.len());
         let mut apart = vec![DVec3::ZERO; held.len()];
         let (mut sum, mut fourth, mut differences, mut left) = (0.0, 0.0, 0.0, None);
-        let [before, after] = [before, after].map(|sums| sums.chunks_exact(self.layers.count));
-        for (before, after) in before.zip(after) {
+        for pixel in 0..self.pixels() as usize {
+            let (before, after) = (before(pixel), after(pixel));
             for (apart, &layer) in apart.iter_mut().zip(held) {
                 *apart = halves.difference(before[layer], after[layer]);
             }
@@ -288,7 +323,7 @@ impl Block {
             let variance = if sum > 0.0 { part / (sum * sum) } else { 0.0 };
             ErrorVariance { estimate: variance, truth: variance }
         });
-        Some(SquaredErrors { products, variances: Variances { bound, measured } })
+        SquaredErrors { products, variances: Variances { bound, measured } }
     }
 }
 
@@ -296,46 +331,76 @@ impl Block {
 mod tests {
     use super::*;
 
-    /// A block of two pixels after four samples, in a round that ends at eight.
+    fn layers() -> Arc<PixelLayers> {
+        Arc::new(PixelLayers { count: 2, held: vec![1] })
+    }
+
+    /// A block of two pixels after two samples, in a round that ends at four.
     fn block() -> Block {
-        let layers = Arc::new(PixelLayers { count: 2, held: vec![1] });
-        let mut block = Block::new((0, 0), (2, 1), layers, 4);
+        let mut block = Block::new((0, 0), (2, 1), layers(), Round::first(8));
+        assert!(block.shorten_round());
         block.take_sums(&[1.0, 4.0, 2.0, 8.0].map(DVec3::splat), 10, Moment::ONLY);
         block.end_round();
         block.join(0.5);
-        block.start_round(8);
+        block.start_round(Round::after(2, 8));
         block
     }
 
     const AFTER: [f64; 4] = [3.0, 12.0, 5.0, 12.0];
 
-    /// The second layer of the first pixel has means of 1 and 2 in the halves, that of the second one 2 and 1.
+    /// The second layer of the first pixel has means of 2 and 4 in the halves, that of the second one 4 and 2.
     #[test]
     fn moments_make_one_round() {
         let mut once = block();
         once.take_sums(&AFTER.map(DVec3::splat), 6, Moment::ONLY);
         let mut parts = block();
         parts.take_sums(&[2.0, 9.0, 3.0, 8.0].map(DVec3::splat), 4, Moment { index: 0, of: 2 });
+        let mut sums = Vec::new();
+        parts.push_sums(&mut sums);
+        assert_eq!(sums, [2.0, 9.0, 3.0, 8.0].map(DVec3::splat));
         parts.take_sums(&AFTER.map(DVec3::splat), 2, Moment { index: 1, of: 2 });
         for mut block in [once, parts] {
             block.end_round();
             block.join(0.5);
             let weights = [Rgb::ONE];
-            assert_eq!((block.drawn(), block.mean(&weights), block.cost()), (8, 1.5, 2.0));
-            assert_eq!((block.value(0, 0), block.value(1, 1)), (DVec3::splat(0.375), DVec3::splat(1.5)));
-            assert_eq!(block.square(&weights).square, 0.25);
+            assert_eq!((block.drawn(), block.mean(&weights), block.cost()), (4, 3.0, 4.0));
+            assert_eq!((block.value(0, 0), block.value(1, 1)), (DVec3::splat(0.75), DVec3::splat(3.0)));
+            assert_eq!(block.square(&weights).square, 1.0);
         }
     }
 
+    /// One pixel with the sums 4, 12 and 40 after 2, 4 and 8 samples: the means of the halves are 2 and 4, and 3 and 7.
     #[test]
-    fn rounds_that_are_discarded_leave_what_was_before() {
-        let before = block().sums().to_vec();
-        let mut block = block();
-        block.take_sums(&AFTER.map(DVec3::splat), 4, Moment { index: 0, of: 2 });
-        assert!(block.discard_round() && !block.is_open());
-        assert_eq!((block.sums(), block.drawn()), (&before[..], 4));
-        assert_eq!(block.value(1, 1), DVec3::splat(2.0));
-        let mut first = Block::new((0, 0), (1, 1), Arc::new(PixelLayers { count: 1, held: vec![0] }), 4);
-        assert!(!first.discard_round() && first.is_open());
+    fn first_rounds_measure_two_errors() {
+        let mut block = Block::new((0, 0), (1, 1), layers(), Round::first(8));
+        let mut sums = Vec::new();
+        block.push_sums(&mut sums);
+        assert_eq!(sums, [DVec3::ZERO; 6]);
+        block.take_sums(&[0.0, 4.0, 0.0, 12.0, 0.0, 40.0].map(DVec3::splat), 1, Moment::ONLY);
+        block.end_round();
+        let trend = block.trend.expect("two errors");
+        assert_eq!((block.drawn(), trend.before.0, trend.after.0), (8, 1.0, 4.0));
+        block.join(0.5);
+        assert_eq!(block.square(&[Rgb::ONE]).square, 0.5 * (4.0 + 0.5 * 1.0));
+    }
+
+    #[test]
+    fn rounds_that_are_shortened_leave_what_was_before() {
+        let mut later = block();
+        later.take_sums(&AFTER.map(DVec3::splat), 4, Moment { index: 0, of: 2 });
+        assert!(later.shorten_round() && !later.is_open() && !later.shorten_round());
+        let mut sums = Vec::new();
+        later.push_sums(&mut sums);
+        assert_eq!((sums.len(), later.drawn(), later.value(1, 1)), (0, 2, DVec3::splat(4.0)));
+        // The first round keeps its first part.
+        let mut first = Block::new((0, 0), (1, 1), layers(), Round::first(8));
+        let partial = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(DVec3::splat);
+        first.take_sums(&partial, 4, Moment { index: 0, of: 2 });
+        assert!(first.shorten_round() && first.is_open() && !first.shorten_round());
+        first.push_sums(&mut sums);
+        assert_eq!(sums, partial[..2]);
+        first.take_sums(&[2.0, 4.0].map(DVec3::splat), 4, Moment { index: 1, of: 2 });
+        first.end_round();
+        assert_eq!((first.drawn(), first.value(0, 1)), (2, DVec3::splat(2.0)));
     }
 }

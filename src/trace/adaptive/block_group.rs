@@ -4,70 +4,75 @@
 //! block fill a small part of a wave. Short queues leave lanes empty and pay for the set-up of every stage.
 
 use super::block::Block;
+use super::round::Round;
 use super::{PATCH, SIDE};
 use crate::base::math::DVec3;
 use crate::base::stats::Counts;
 use crate::trace::pixels::{PixelTracer, SampleSet};
 use crate::trace::wavefront::WAVE;
-use std::ops::Range;
 
 /// The most pixels of a group. With more, a round of many moments would be too few groups for all threads, and the costs
 /// of blocks would be those of half the picture.
 const MOST: usize = 1024;
 
-/// Open blocks whose round takes the same samples of each pixel. The groups of a round depend on its blocks alone, so
+/// Open blocks that are in the same round. The groups of a round depend on its blocks alone, so
 /// the cost of each block does, too.
-pub struct BlockGroup<'a>(Vec<&'a mut Block>);
+pub struct BlockGroup<'a> {
+    round: Round,
+    blocks: Vec<&'a mut Block>,
+}
 
 impl<'a> BlockGroup<'a> {
     /// The open blocks of rows of `columns`, in groups that fill at most one wave, unless a block alone fills more. A
     /// round has this number of moments.
     pub fn of_round(blocks: &'a mut [Block], columns: usize, moments: u32) -> Vec<Self> {
         let mut groups: Vec<Self> = Vec::new();
-        // The last group of each number of samples, and its pixels. There are few such numbers.
-        let mut last: Vec<(Range<u32>, usize, usize)> = Vec::new();
-        for block in by_patches(blocks, columns).filter(|block| block.is_open()) {
-            let (pixels, round) = (block.pixels() as usize, block.round());
-            let most = (WAVE * moments as usize / round.len().max(1)).min(MOST);
+        // The last group of each round, and its pixels. There are few different rounds.
+        let mut last: Vec<(Round, usize, usize)> = Vec::new();
+        for block in by_patches(blocks, columns) {
+            let Some(round) = block.round() else { continue };
+            let pixels = block.pixels() as usize;
+            let most = (WAVE * moments as usize / round.samples().len().max(1)).min(MOST);
             let known = last.iter().position(|(known, ..)| *known == round).unwrap_or_else(|| {
                 last.push((round, groups.len(), 0));
-                groups.push(Self(Vec::new()));
+                groups.push(Self { round, blocks: Vec::new() });
                 last.len() - 1
             });
             let (_, group, filled) = &mut last[known];
             if *filled > 0 && *filled + pixels > most {
                 (*group, *filled) = (groups.len(), 0);
-                groups.push(Self(Vec::new()));
+                groups.push(Self { round, blocks: Vec::new() });
             }
-            groups[*group].0.push(block);
+            groups[*group].blocks.push(block);
             *filled += pixels;
         }
         groups
     }
 
-    /// Discards the samples of the current round. Returns whether an earlier round exists; without one, nothing
-    /// happens.
-    pub fn discard_round(&mut self) -> bool {
-        self.0.iter_mut().all(|block| block.discard_round())
+    /// Shortens the current round as far as pixels keep samples. Returns what is left of it.
+    pub fn shortened(mut self) -> Option<Self> {
+        self.blocks.iter_mut().for_each(|block| _ = block.shorten_round());
+        self.round.shortened().map(|round| Self { round, ..self })
     }
 
     /// Traces the samples of the round that belong to the moment of `pixels`.
     pub fn trace(self, pixels: &PixelTracer, seed: u32) -> Counts {
-        let Self(mut blocks) = self;
-        let samples = blocks[0].round();
+        let Self { round, mut blocks } = self;
+        let ends = round.ends();
         let count = blocks.iter().map(|block| block.pixels() as usize).sum();
         let mut places: Vec<(u32, u32)> = Vec::with_capacity(count);
-        let mut sums: Vec<DVec3> = Vec::with_capacity(count * pixels.layers());
+        let mut sums: Vec<DVec3> = Vec::with_capacity(count * ends.len() * pixels.layers());
         for block in &blocks {
             places.extend(block.places());
-            sums.extend_from_slice(block.sums());
+            block.push_sums(&mut sums);
         }
-        let counts = pixels.add(&places, &SampleSet { samples, seed }, &mut sums);
+        let set = SampleSet { samples: round.samples(), seed };
+        let counts = pixels.add_to_ends(&places, (&set, ends), &mut sums);
         let (mut before, mut rest) = (0, &sums[..]);
         let rays_of = |pixel: u64| counts.rays.total() * pixel / count as u64;
         for block in &mut blocks {
             let own;
-            (own, rest) = rest.split_at(block.sums().len());
+            (own, rest) = rest.split_at(block.pixels() as usize * ends.len() * pixels.layers());
             let end = before + u64::from(block.pixels());
             block.take_sums(own, rays_of(end) - rays_of(before), pixels.moment);
             before = end;
@@ -94,12 +99,13 @@ mod tests {
     use super::*;
     use std::sync::Arc;
 
-    /// Two rows of blocks whose first round takes these samples.
-    fn rows(columns: u32, first: impl Fn(u32) -> u32) -> Vec<Block> {
+    /// Two rows of blocks in rounds of these numbers of samples.
+    fn rows(columns: u32, samples: impl Fn(u32) -> u32) -> Vec<Block> {
         let layers = Arc::new(PixelLayers { count: 1, held: vec![0] });
         let block = |place: u32| {
             let corner = (4 * (place % columns), 4 * (place / columns));
-            Block::new(corner, (4, 4), Arc::clone(&layers), first(place))
+            let samples = samples(place);
+            Block::new(corner, (4, 4), Arc::clone(&layers), Round::after(samples, 2 * samples))
         };
         (0..2 * columns).map(block).collect()
     }
@@ -121,10 +127,12 @@ mod tests {
     fn groups_fill_waves_across_blocks_of_other_rounds() {
         let mut blocks = rows(32, |place| [4, 8][place as usize & 1]);
         let groups = BlockGroup::of_round(&mut blocks, 32, 1);
-        let samples = |BlockGroup(blocks): &BlockGroup| (blocks.len(), blocks[0].round().len());
+        let samples = |group: &BlockGroup| (group.blocks.len(), group.round.samples().len());
         let mut found: Vec<_> = groups.iter().map(samples).collect();
         found.sort_unstable();
         assert_eq!(found, [(8, 8), (8, 8), (8, 8), (8, 8), (16, 4), (16, 4)]);
-        assert!(groups.iter().all(|BlockGroup(all)| all.iter().all(|block| block.round() == all[0].round())));
+        let is_even =
+            |group: &BlockGroup| group.blocks.iter().all(|block| block.round() == Some(group.round));
+        assert!(groups.iter().all(is_even));
     }
 }

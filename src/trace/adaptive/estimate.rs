@@ -23,6 +23,8 @@ pub struct ErrorEstimate {
     weightings: Vec<Vec<Rgb>>,
     errors: Vec<FrameError>,
     gain: StratificationGain,
+    /// Whether all blocks show their errors. Those of a run that is stopped early may not.
+    is_known: bool,
 }
 
 /// How the squared error falls when samples double.
@@ -78,7 +80,8 @@ impl ErrorEstimate {
         let decay = ErrorDecay::of(blocks);
         blocks.par_iter_mut().for_each(|block| block.join(decay.factor));
         let errors = weightings.iter().map(|weights| FrameError::new(blocks, weights)).collect();
-        Self { weightings: weightings.to_vec(), errors, gain: decay.gain() }
+        let is_known = blocks.iter().all(Block::is_measured);
+        Self { weightings: weightings.to_vec(), errors, gain: decay.gain(), is_known }
     }
 
     /// The number of weightings.
@@ -109,8 +112,11 @@ impl ErrorEstimate {
         if mean > 0.0 { square * f64::from(block.pixels()) / (pixels * mean * mean) } else { 0.0 }
     }
 
-    /// The reported error with a weighting.
+    /// The reported error with a weighting. It is infinite if it is unknown.
     pub fn noise(&self, weighting: usize) -> Noise {
+        if !self.is_known {
+            return Noise { error: f64::INFINITY, high: f64::INFINITY, ..Noise::default() };
+        }
         let FrameError { square, variances, .. } = self.errors[weighting];
         Noise::of_square(square, variances, self.gain)
     }

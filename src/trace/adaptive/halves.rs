@@ -31,6 +31,6 @@ impl SampleHalves {
 
     /// A - B, from the sum of the first part and the sum of all samples.
     pub fn difference(&self, first: DVec3, all: DVec3) -> DVec3 {
-        first / self.first - (all - first) / self.second
+        first * (1.0 / self.first) - (all - first) * (1.0 / self.second)
     }
 }

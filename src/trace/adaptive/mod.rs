@@ -14,9 +14,11 @@ mod block_group;
 mod estimate;
 pub mod halves;
 mod layer_products;
+mod round;
 
 use super::ONE_EACH;
 use super::pixels::PixelTracer;
+use super::scratch_pool::ScratchPool;
 use super::settings::{Moment, TraceSettings};
 use crate::base::color::Rgb;
 use crate::base::stats::{Counts, ProgressMeter};
@@ -28,6 +30,7 @@ use block::{Block, PixelLayers};
 use block_group::BlockGroup;
 use estimate::ErrorEstimate;
 use rayon::prelude::*;
+use round::Round;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -39,17 +42,10 @@ pub const SIDE: u32 = 4;
 pub const PATCH: u32 = 8;
 
 /// The least number of samples of a pixel, unless the limit is lower.
-pub const MIN_SAMPLES: u32 = 16;
-
-/// The samples per pixel of the first round. Two more rounds reach the minimum, because the decay of the error is measured from
-/// two rounds.
-pub const fn first_round(most: u32) -> u32 {
-    let least = if most < MIN_SAMPLES { most } else { MIN_SAMPLES };
-    least.div_ceil(4)
-}
+pub const MIN_SAMPLES: u32 = 8;
 
 /// The bytes per pixel with this number of layers: the sums of its samples, and its share of its block. A frame of several
-/// moments keeps the sums twice.
+/// moments keeps four times the sums in its first round, and twice later.
 pub fn bytes_of_pixel(layers: u64) -> u64 {
     let (pairs, light) = (layers * (layers + 1) / 2, size_of::<glam::DVec3>() as u64);
     let block = size_of::<Block>() as u64 + (layers + 2 * pairs) * light;
@@ -75,6 +71,10 @@ pub struct AdaptiveFrame {
     /// Row by row.
     blocks: Vec<Block>,
     estimate: ErrorEstimate,
+    /// The buffers of all rounds and moments, and the number of these so far. New buffers each time would be new memory,
+    /// whose first use takes time.
+    pool: Arc<ScratchPool>,
+    tracers: u32,
 }
 
 /// Traces a frame without motion.
@@ -115,13 +115,25 @@ impl AdaptiveFrame {
         let of_pixel = Arc::new(PixelLayers { count: layers.0.len() + aovs.layers(), held });
         let corners = (0..size.1).step_by(SIDE as usize);
         let corners = corners.flat_map(|top| (0..size.0).step_by(SIDE as usize).map(move |left| (left, top)));
-        let first = first_round(target.most);
+        let first = Round::first(target.most);
         let block = |(left, top): (u32, u32)| {
             let places = (SIDE.min(size.0 - left), SIDE.min(size.1 - top));
             Block::new((left, top), places, Arc::clone(&of_pixel), first)
         };
         let (blocks, estimate) = (corners.map(block).collect(), ErrorEstimate::default());
-        Self { size, seed, target, layers, weightings, aovs, denoised: None, blocks, estimate }
+        Self {
+            size,
+            seed,
+            target,
+            layers,
+            weightings,
+            aovs,
+            denoised: None,
+            blocks,
+            estimate,
+            pool: Arc::default(),
+            tracers: 0,
+        }
     }
 
     /// A frame whose pixels have `samples` samples, traced with `rays` rays as two films of one half each. It is ready to be
@@ -182,15 +194,14 @@ impl AdaptiveFrame {
         // Blocks are too small for spans of their own.
         let _span = tracing::debug_span!("round").entered();
         let scene = Scene { weights: &self.layers, ..*scene };
-        let pixels = PixelTracer::sampled(&scene, bvh, settings, moment);
+        self.tracers += 1;
+        let pixels = PixelTracer::sampled(&scene, bvh, settings, moment).with_pool(&self.pool, self.tracers);
         let seed = self.seed;
         let columns = self.columns();
         let groups = BlockGroup::of_round(&mut self.blocks, columns, moment.of);
-        let counts = groups.into_par_iter().with_max_len(ONE_EACH).map(|mut group| {
-            if meter.is_stopped() && group.discard_round() {
-                meter.unfinished.store(true, Relaxed);
-                return Counts::default();
-            }
+        let counts = groups.into_par_iter().with_max_len(ONE_EACH).map(|group| {
+            let group = if meter.is_stopped() { group.shortened() } else { Some(group) };
+            let Some(group) = group else { return Counts::default() };
             let counts = group.trace(&pixels, seed);
             meter.rays.fetch_add(counts.rays.total(), Relaxed);
             counts
@@ -206,11 +217,12 @@ impl AdaptiveFrame {
         self.blocks.par_iter_mut().filter(|block| block.is_open()).for_each(Block::end_round);
         self.estimate = ErrorEstimate::new(&mut self.blocks, &self.weightings);
         let most = self.target.most;
-        let refined = if self.blocks.iter().any(|block| block.drawn() < MIN_SAMPLES.min(most)) {
-            vec![true; self.blocks.len()]
-        } else {
-            allocation::blocks_to_refine(&self.blocks, &self.estimate, &self.target, self.columns())
-        };
+        let refined =
+            allocation::blocks_to_refine(&self.blocks, &self.estimate, &self.target, self.columns());
+        // Few samples converge faster and faster, so errors after the first round are stated too large. A frame that is
+        // good enough then takes another round everywhere; in other frames, quiet blocks need no more.
+        let is_first = self.blocks.iter().all(|block| block.drawn() <= MIN_SAMPLES && block.drawn() < most);
+        let refined = if is_first && !refined.contains(&true) { vec![true; refined.len()] } else { refined };
         if meter.is_stopped() && refined.contains(&true) {
             meter.unfinished.store(true, Relaxed);
             return true;
@@ -218,7 +230,7 @@ impl AdaptiveFrame {
         let mut open = 0;
         for (block, is_refined) in self.blocks.iter_mut().zip(refined) {
             if is_refined && block.drawn() < most {
-                block.start_round((2 * block.drawn()).min(most));
+                block.start_round(Round::after(block.drawn(), most));
                 open += 1;
             }
         }

@@ -2,7 +2,7 @@
 
 use super::super::camera_rays::{PixelSamples, SampleGroup};
 use super::super::pixels::{PixelTracer, SampleSet};
-use super::super::sums::add_sample;
+use super::super::sums::valid;
 use super::super::wavefront::{ScratchBuffer, WAVE};
 use super::gain::work;
 use crate::base::math::DVec3;
@@ -223,7 +223,7 @@ impl<'p> SharedSamples<'p> {
             }
             for (layer, (sum, light)) in sums.iter_mut().zip(light).enumerate() {
                 if layer < lit {
-                    add_sample(sum, *light, limit, dropped);
+                    *sum += valid(*light, limit, dropped);
                 } else {
                     *sum += *light;
                 }

@@ -20,7 +20,7 @@ use crate::trace::ONE_EACH;
 use crate::trace::camera_rays::{PixelSamples, Placement};
 use crate::trace::pixels::PixelTracer;
 use crate::trace::settings::{Moment, TraceSettings};
-use crate::trace::sums::add_sample;
+use crate::trace::sums::valid;
 use crate::trace::wavefront::WAVE;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -154,11 +154,10 @@ impl ViewRun {
             for slot in 0..wave.len() as u32 {
                 for &layer in &held {
                     let sample = scratch.sums.get(layer, slot);
-                    let mut light = DVec3::ZERO;
-                    match layer < tracer.context.lit_layers {
-                        true => add_sample(&mut light, sample, limit, &mut scratch.counts.dropped),
-                        false => light = sample,
-                    }
+                    let light = match layer < tracer.context.lit_layers {
+                        true => valid(sample, limit, &mut scratch.counts.dropped),
+                        false => sample,
+                    };
                     batch.light.extend(light.to_array());
                 }
             }

@@ -1,10 +1,10 @@
 //! Time and error of one film, measured by a pilot, and the forecast for any quality.
 
 use crate::base::clock::ElapsedTime;
-use crate::film::denoise::samples_of_audit;
+use crate::film::denoise::{FIRST_SAMPLES, samples_of_audit};
 use crate::pipeline::plan::path_shares::FilmShare;
 use crate::sequence::quality::{Denoise, NoiseTarget, Quality};
-use crate::trace::{MIN_SAMPLES, allocation, first_round};
+use crate::trace::{MIN_SAMPLES, allocation};
 
 /// Measurements of a film.
 #[derive(Clone, Debug)]
@@ -159,7 +159,7 @@ impl PilotFilm {
             Some(target) => {
                 // Samples alone, if the first round shows that the denoiser would take longer. Its audits are lost
                 // then.
-                let lost = audits(quality, MIN_SAMPLES.min(target.most));
+                let lost = audits(quality, FIRST_SAMPLES.min(target.most));
                 let parts = self.prepare * self.rounds_of_parts(quality);
                 self.filtered(self.until(noise, (target, lost), uncertainty)).and(parts)
             }
@@ -185,7 +185,7 @@ impl PilotFilm {
     ) -> FilmForecast {
         let Allocated { samples, work, most, square, missed } = noise.allocated(target, uncertainty);
         // If something moves, every round of samples visits all moments again.
-        let first = f64::from(first_round(target.most));
+        let first = f64::from(MIN_SAMPLES.min(target.most));
         let rounds = if self.moments > 1 { 1.0 + libm::log2(most / first).max(0.0).ceil() } else { 1.0 };
         FilmForecast {
             error: Some(square.sqrt()),
@@ -255,14 +255,21 @@ impl FilmNoise {
     fn allocated_by(&self, part: f64, target: &NoiseTarget, uncertainty: Uncertainty) -> Allocated {
         let goal = target.error * target.error;
         let mut samples = vec![MIN_SAMPLES.min(target.most); self.blocks.len()];
+        let mut is_first = true;
         loop {
             let now = self.with(&samples, 1.0 - part, uncertainty);
             // The sampler stops only when the error plus one standard deviation meets the target.
             let met = now.square * (1.0 + self.whole_spread) <= goal;
-            if met || samples.iter().all(|&samples| samples >= target.most) {
+            let is_full = samples.iter().all(|&samples| samples >= target.most);
+            if is_full || met && !is_first {
                 return Allocated { missed: now.square > goal, ..now };
             }
-            let wanted = self.wanted((&samples, uncertainty), part, target);
+            // No frame stops after its first round.
+            let wanted = match met {
+                true => vec![true; samples.len()],
+                false => self.wanted((&samples, uncertainty), part, target),
+            };
+            is_first = false;
             for (samples, _) in samples.iter_mut().zip(wanted).filter(|(_, wanted)| *wanted) {
                 *samples = samples.saturating_mul(2).min(target.most);
             }
