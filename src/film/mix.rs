@@ -48,7 +48,9 @@ impl Noise {
     fn mixed_with(self, other: Self, means: [f64; 2]) -> Self {
         let all = means[0] + means[1];
         let [one, two] = means.map(|mean| if all > 0.0 { mean / all } else { 0.5 });
-        let sum = |a: f64, b: f64| one * a + two * b;
+        // The unknown error of a film that adds nothing does not count.
+        let part = |share: f64, error: f64| if share == 0.0 { 0.0 } else { share * error };
+        let sum = |a: f64, b: f64| part(one, a) + part(two, b);
         Self {
             error: sum(self.error, other.error),
             // If the errors are independent.

@@ -19,8 +19,9 @@ const BESIDES: u64 = 48;
 /// Bytes that all pictures of a run take at the same time. Excludes the scene.
 pub fn needed(sequence: &Sequence, aovs: AovSet) -> u64 {
     let (width, height) = sequence.output.size;
-    // Motion blur also keeps the sums over a frame's moments, or those before its current round.
-    let sums = if sequence.blurs_motion() { size_of::<DVec3>() as u64 } else { 0 };
+    let (blurs, adapts) = (sequence.blurs_motion(), sequence.quality.noise.is_some());
+    // Motion blur also keeps the sums over a frame's moments.
+    let sums = if blurs && !adapts { size_of::<DVec3>() as u64 } else { 0 };
     let samples = if aovs.samples { sequence.layers() } else { 0 };
     let layers = sequence.layers() + aovs.layers() as u64 + samples;
     // Films that share samples have weighted sums.
@@ -29,7 +30,7 @@ pub fn needed(sequence: &Sequence, aovs: AovSet) -> u64 {
     let films = if sequence.active_camera.fades() { FILMS + 3 } else { FILMS };
     let pixel = layers.saturating_mul(size_of::<Rgb>() as u64 * films + sums).saturating_add(BESIDES);
     // Sampling towards an error target keeps more data per pixel.
-    let rounds = if sequence.quality.noise.is_some() { bytes_of_pixel(layers) } else { 0 };
+    let rounds = if adapts { bytes_of_pixel(layers, blurs) } else { 0 };
     let neighbors = if sequence.quality.uses_neighbors() { 2 * u64::from(REACH) } else { 0 };
     let hits = if neighbors > 0 { (1 + neighbors) * PrimaryHits::BYTES_PER_PIXEL } else { 0 };
     let filter = match sequence.quality.denoise {

@@ -362,7 +362,8 @@ impl Session {
     /// Whether the film has the error that the file asks for.
     fn reaches_target(&self, film: &ProgressiveFilm, weights: &[Rgb]) -> bool {
         let target = self.scene.as_ref().and_then(|scene| scene.sequence.quality.noise);
-        let enough = |done: Refinement| done.samples >= crate::trace::MIN_SAMPLES;
+        // As many as a frame has everywhere if it is good enough at once.
+        let enough = |done: Refinement| done.samples >= 2 * crate::trace::MIN_SAMPLES;
         target.is_some_and(|target| {
             film.done().is_some_and(enough) && film.error(weights).is_some_and(|error| error <= target.error)
         })

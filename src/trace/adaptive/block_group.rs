@@ -49,10 +49,14 @@ impl<'a> BlockGroup<'a> {
         groups
     }
 
-    /// Shortens the current round as far as pixels keep samples. Returns what is left of it.
-    pub fn shortened(mut self) -> Option<Self> {
-        self.blocks.iter_mut().for_each(|block| _ = block.shorten_round());
-        self.round.shortened().map(|round| Self { round, ..self })
+    /// Shortens the current round as far as pixels keep samples. Returns what is left of it, and whether that leaves out any
+    /// samples.
+    pub fn shortened(mut self) -> (Option<Self>, bool) {
+        let mut is_cut = false;
+        for block in &mut self.blocks {
+            is_cut |= block.shorten_round();
+        }
+        (self.round.shortened().map(|round| Self { round, ..self }), is_cut)
     }
 
     /// Traces the samples of the round that belong to the moment of `pixels`.

@@ -90,12 +90,13 @@ impl ErrorEstimate {
     }
 
     /// The weighting with the largest squared error, and this error plus one standard deviation of the estimate. The
-    /// addition covers pixels that are as far off as a few others but have not shown it yet.
+    /// addition covers pixels that are as far off as a few others but have not shown it yet. Infinite if it is unknown.
     pub fn worst(&self) -> (usize, f64) {
         let bounds = self
             .errors
             .iter()
-            .map(|error| self.gain() * (error.square + error.variances.bound.estimate.sqrt()));
+            .map(|error| self.gain() * (error.square + error.variances.bound.estimate.sqrt()))
+            .map(|square| if self.is_known { square } else { f64::INFINITY });
         bounds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
     }
 

@@ -45,11 +45,12 @@ pub const PATCH: u32 = 8;
 pub const MIN_SAMPLES: u32 = 8;
 
 /// The bytes per pixel with this number of layers: the sums of its samples, and its share of its block. A frame of several
-/// moments keeps four times the sums in its first round, and twice later.
-pub fn bytes_of_pixel(layers: u64) -> u64 {
+/// moments also keeps the sums at the ends of its round, which are most in the first one.
+pub fn bytes_of_pixel(layers: u64, has_moments: bool) -> u64 {
     let (pairs, light) = (layers * (layers + 1) / 2, size_of::<glam::DVec3>() as u64);
     let block = size_of::<Block>() as u64 + (layers + 2 * pairs) * light;
-    layers * light + block.div_ceil(u64::from(SIDE * SIDE))
+    let sums = if has_moments { 1 + Round::MOST_ENDS as u64 } else { 1 };
+    sums * layers * light + block.div_ceil(u64::from(SIDE * SIDE))
 }
 
 /// The weightings of a film, with one weight per layer: one weighting for each different frame of the sequence that
@@ -200,7 +201,8 @@ impl AdaptiveFrame {
         let columns = self.columns();
         let groups = BlockGroup::of_round(&mut self.blocks, columns, moment.of);
         let counts = groups.into_par_iter().with_max_len(ONE_EACH).map(|group| {
-            let group = if meter.is_stopped() { group.shortened() } else { Some(group) };
+            let (group, is_cut) = if meter.is_stopped() { group.shortened() } else { (Some(group), false) };
+            meter.unfinished.fetch_or(is_cut, Relaxed);
             let Some(group) = group else { return Counts::default() };
             let counts = group.trace(&pixels, seed);
             meter.rays.fetch_add(counts.rays.total(), Relaxed);
@@ -274,5 +276,34 @@ impl AdaptiveFrame {
         let capped = self.blocks.iter().filter(|block| block.drawn() >= most).map(share);
         let capped = capped.fold(0.0, |sum, share| sum + share);
         Noise { samples, capped, denoised: self.denoised, ..self.estimate.noise(weighting) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::cancel::Stop;
+    use crate::base::math::DVec3;
+
+    /// Two blocks, of which a stop has left the second one with its first two samples.
+    #[test]
+    fn frames_that_are_stopped_are_unfinished() {
+        for most in [8, 9, 4096] {
+            let target = NoiseTarget { error: 0.5, most };
+            let weightings = [vec![Rgb::ONE]].into();
+            let layers = Weights(vec![Rgb::ONE]);
+            let mut frame =
+                AdaptiveFrame::of_layers((8, 4), layers, (0, target), AovSet::default(), &weightings);
+            let meter = ProgressMeter::default();
+            meter.stop.get_or_init(Stop::default).flag().store(2, Relaxed);
+            let [full, short] = &mut frame.blocks[..] else { panic!("two blocks") };
+            let sums = [2.0, 4.0, 8.0].repeat(16);
+            full.take_sums(&sums.into_iter().map(DVec3::splat).collect::<Vec<_>>(), 1, Moment::ONLY);
+            assert!(short.shorten_round());
+            short.take_sums(&[DVec3::splat(2.0); 16], 1, Moment::ONLY);
+            assert!(frame.settle(&meter) && !frame.is_reached() && meter.unfinished.load(Relaxed), "{most}");
+            let noise = frame.noise(0);
+            assert!(noise.error.is_infinite() && noise.samples == 5.0, "{noise:?}");
+        }
     }
 }

@@ -11,15 +11,17 @@ use std::ops::Range;
 pub struct Round {
     start: u32,
     /// Ascending; the first `parts` of them.
-    ends: [u32; 3],
+    ends: [u32; Self::MOST_ENDS],
     parts: usize,
 }
 
 impl Round {
+    pub const MOST_ENDS: usize = 3;
+
     /// The first round, if pixels take at most `most` samples.
     pub fn first(most: u32) -> Self {
         let end = MIN_SAMPLES.min(most);
-        let mut round = Self { start: 0, ends: [0; 3], parts: 0 };
+        let mut round = Self { start: 0, ends: [0; Self::MOST_ENDS], parts: 0 };
         let mut part = end.div_ceil(4);
         while part < end {
             round.push(part);

@@ -47,7 +47,7 @@ const WEIGHTINGS: usize = 256;
 /// Minimum number of patches per thread, so that all threads stay busy.
 const PATCHES: usize = 8;
 
-/// Samples per pixel in the first pass, as in the first round of the sampler.
+/// Samples per pixel in the first pass.
 const FIRST: u32 = 4;
 
 /// Samples per pixel up to which a pilot prefers more samples to more patches. Then every patch is better than more
