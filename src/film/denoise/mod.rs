@@ -67,10 +67,6 @@ pub struct SampleFilms<'a> {
     pub audits: [&'a Film; 2],
 }
 
-/// The samples per pixel of the picture in the first round towards a target error. With fewer, the audits are so noisy that they
-/// hide what the filter gains.
-pub const FIRST_SAMPLES: u32 = 16;
-
 /// Samples per pixel of each audit of a picture of so many samples.
 pub fn samples_of_audit(picture: u32) -> u32 {
     (picture / 8).max(2)

@@ -1,10 +1,8 @@
 //! The number of camera rays of films.
 
 use crate::film::LayerId;
-use crate::film::denoise::FIRST_SAMPLES;
 use crate::pipeline::schedule::{FadedView, FrameState, KnownSamples, SampledState};
 use crate::sequence::Sequence;
-use crate::sequence::quality::Denoise;
 use crate::trace::MIN_SAMPLES;
 
 /// Camera rays of a film. With a target error, this is the minimum.
@@ -73,10 +71,7 @@ fn rays_of_view(sequence: &Sequence, random: bool) -> u64 {
     let quality = &sequence.quality;
     let each = match quality.noise {
         _ if !random => quality.antialias * quality.antialias,
-        Some(target) => {
-            let first = if quality.denoise == Denoise::Off { MIN_SAMPLES } else { FIRST_SAMPLES };
-            quality.traced_samples(target.most.min(first))
-        }
+        Some(target) => quality.traced_samples(target.most.min(MIN_SAMPLES)),
         None => quality.traced_samples(quality.samples),
     };
     pixels(sequence) * u64::from(each)

@@ -1,11 +1,11 @@
 //! Films of separate samples, which make one denoised film.
 
 use crate::base::stats::ProgressMeter;
-use crate::film::denoise::{FIRST_SAMPLES, Halves, Memory, SampleFilms, denoise, samples_of_audit};
+use crate::film::denoise::{Halves, Memory, SampleFilms, denoise, samples_of_audit};
 use crate::film::{AovSet, Film, Noise};
 use crate::sampling::hash;
 use crate::sequence::quality::{NoiseTarget, Quality};
-use crate::trace::{AdaptiveFrame, TraceSettings, Weightings};
+use crate::trace::{AdaptiveFrame, MIN_SAMPLES, TraceSettings, Weightings};
 use std::ops::Range;
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -76,7 +76,7 @@ impl SampleSets {
             FilmSet::Audits => 2..PARTS.len(),
         };
         let part = all.start;
-        let picture = quality.noise.map_or(quality.samples, |target| target.most.min(FIRST_SAMPLES));
+        let picture = quality.noise.map_or(quality.samples, |target| target.most.min(MIN_SAMPLES));
         let (picture, memory) = (picture.next_multiple_of(2), memory.clone());
         Self { films: Vec::new(), picture, before: 0, all, part, rays: 0, memory }
     }
@@ -104,9 +104,13 @@ impl SampleSets {
         before..samples_of_audit(self.picture)
     }
 
-    /// The parts of this round.
+    /// The parts of this round. Audits that have as many samples as the picture needs take none.
     fn parts(&self) -> Range<usize> {
-        if self.before == 0 { self.all.clone() } else { LATER }
+        match self.before {
+            0 => self.all.clone(),
+            _ if self.audit().is_empty() => LATER.start..LATER.start + 1,
+            _ => LATER,
+        }
     }
 
     /// Sets the meter to the part of the round that is traced now, after so many others and of all that are traced for a
@@ -135,7 +139,7 @@ impl SampleSets {
             (Some(before), Part::Audit(_)) => *before = before.mixed_with(&film, 0.5),
         }
         self.part += 1;
-        if self.part < self.all.end {
+        if self.part < self.parts().end {
             return NextStep::Part(self);
         }
         meter.pass.store(0, Relaxed);
@@ -239,3 +243,20 @@ fn drawn(picture: u32) -> u32 {
 
 /// A word for seeds of audits: "audi" in ASCII.
 const SEED: u32 = 0x6175_6469;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A film of no samples would be black.
+    #[test]
+    fn no_part_of_a_round_is_without_samples() {
+        let target = NoiseTarget { error: 0.01, most: 4096 };
+        let quality = Quality { noise: Some(target), ..Quality::default() };
+        let mut sets = SampleSets::new(FilmSet::All, &quality, &Memory::default());
+        for (parts, audit) in [(0..4, 0..2), (1..2, 2..2), (1..4, 2..4), (1..4, 4..8)] {
+            assert_eq!((sets.parts(), sets.audit()), (parts, audit));
+            sets.start_round();
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! Time and error of one film, measured by a pilot, and the forecast for any quality.
 
 use crate::base::clock::ElapsedTime;
-use crate::film::denoise::{FIRST_SAMPLES, samples_of_audit};
+use crate::film::denoise::samples_of_audit;
 use crate::pipeline::plan::path_shares::FilmShare;
 use crate::sequence::quality::{Denoise, NoiseTarget, Quality};
 use crate::trace::{MIN_SAMPLES, allocation};
@@ -159,11 +159,9 @@ impl PilotFilm {
             Some(target) => {
                 // Samples alone, if the first round shows that the denoiser would take longer. Its audits are lost
                 // then.
-                let first = if quality.denoise == Denoise::Off { MIN_SAMPLES } else { FIRST_SAMPLES };
-                let first = first.min(target.most);
-                let lost = audits(quality, first);
+                let lost = audits(quality, MIN_SAMPLES.min(target.most));
                 let parts = self.prepare * self.rounds_of_parts(quality);
-                self.filtered(self.until(noise, (target, first, lost), uncertainty)).and(parts)
+                self.filtered(self.until(noise, (target, lost), uncertainty)).and(parts)
             }
         }
     }
@@ -178,17 +176,16 @@ impl PilotFilm {
         forecast.and(self.filter * self.pixels)
     }
 
-    /// Forecast for a target error, with so many samples per pixel in the first round, and besides so many that have no part in
-    /// it.
+    /// Forecast for a target error, with so many samples per pixel that have no part in it.
     fn until(
         &self,
         noise: &FilmNoise,
-        (target, first, lost): (&NoiseTarget, u32, f64),
+        (target, lost): (&NoiseTarget, f64),
         uncertainty: Uncertainty,
     ) -> FilmForecast {
-        let Allocated { samples, work, most, square, missed } = noise.allocated((target, first), uncertainty);
+        let Allocated { samples, work, most, square, missed } = noise.allocated(target, uncertainty);
         // If something moves, every round of samples visits all moments again.
-        let first = f64::from(first);
+        let first = f64::from(MIN_SAMPLES.min(target.most));
         let rounds = if self.moments > 1 { 1.0 + libm::log2(most / first).max(0.0).ceil() } else { 1.0 };
         FilmForecast {
             error: Some(square.sqrt()),
@@ -236,14 +233,13 @@ impl FilmNoise {
         sum * self.scale(uncertainty) * libm::pow(self.samples / samples, self.power_of(uncertainty))
     }
 
-    /// Allocates samples until the film reaches the target error or all pixels reach the limit. All begin with the samples of
-    /// the first round, whose number is the second part of `target`. Blocks double their
+    /// Allocates samples until the film reaches the target error or all pixels reach the limit. Blocks double their
     /// samples by the rule of `trace::adaptive`, and errors fall as the pilot measured.
     ///
     /// Samples that follow the noise which the pilot found miss the noise that it overlooked. Therefore the passes
     /// that judge the error differ in part from those that allocate samples. The sampler itself learns more while it
     /// runs.
-    fn allocated(&self, target: (&NoiseTarget, u32), uncertainty: Uncertainty) -> Allocated {
+    fn allocated(&self, target: &NoiseTarget, uncertainty: Uncertainty) -> Allocated {
         let [a, b] = [0.25, 0.75].map(|part| self.allocated_by(part, target, uncertainty));
         // One of them may reach the limit of samples everywhere by a single pixel.
         Allocated {
@@ -256,15 +252,10 @@ impl FilmNoise {
     }
 
     /// Allocates samples by `part` of the last pass, and judges errors by the rest.
-    fn allocated_by(
-        &self,
-        part: f64,
-        (target, first): (&NoiseTarget, u32),
-        uncertainty: Uncertainty,
-    ) -> Allocated {
+    fn allocated_by(&self, part: f64, target: &NoiseTarget, uncertainty: Uncertainty) -> Allocated {
         let goal = target.error * target.error;
-        let mut samples = vec![first; self.blocks.len()];
-        let mut is_first = first <= MIN_SAMPLES;
+        let mut samples = vec![MIN_SAMPLES.min(target.most); self.blocks.len()];
+        let mut is_first = true;
         loop {
             let now = self.with(&samples, 1.0 - part, uncertainty);
             // The sampler stops only when the error plus one standard deviation meets the target.
@@ -273,7 +264,7 @@ impl FilmNoise {
             if is_full || met && !is_first {
                 return Allocated { missed: now.square > goal, ..now };
             }
-            // No frame stops after a first round of so few samples.
+            // No frame stops after its first round.
             let wanted = match met {
                 true => vec![true; samples.len()],
                 false => self.wanted((&samples, uncertainty), part, target),
