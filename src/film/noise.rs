@@ -88,11 +88,12 @@ impl Variances {
 
     /// The bounds of an estimate `square`, enlarged by their own uncertainty.
     ///
-    /// If the estimate is a sum of n squares of normal numbers, its bound comes from the n fourth powers. Relative to the square
-    /// of its mean, a fourth power has the variance 105 / 9 - 1 = 32 / 3, and the bound b is about 3 / n. So the relative
-    /// variance of the bound is 32 / 3n = 32 b / 9, as if it were measured from 9 / 16b degrees of freedom.
+    /// If the estimate is a sum of n squares of normal numbers, its relative bound b is the sum of their fourth powers over the
+    /// square of that sum, about 3 / n. Relative to their means, squares have the variance 2, fourth powers 105 / 9 - 1 = 32 / 3,
+    /// and both the covariance 15 / 3 - 1 = 4. So b has the relative variance (32 / 3 - 4 * 4 + 4 * 2) / n = 8 / 3n = 8 b / 9, as
+    /// if it were measured from 9 / 4b degrees of freedom.
     fn bound_with_uncertainty(&self, square: f64) -> ErrorVariance {
-        let enlarged = |bound: f64| bound * of_student(9.0 * square * square / (16.0 * bound));
+        let enlarged = |bound: f64| bound * of_student(9.0 * square * square / (4.0 * bound));
         ErrorVariance { estimate: enlarged(self.bound.estimate), truth: enlarged(self.bound.truth) }
     }
 
