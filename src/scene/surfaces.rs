@@ -61,16 +61,17 @@ impl SurfaceTable {
 
 #[warn(missing_docs)]
 impl Geometry {
-    /// The surfaces at hits of rays with primitives, in the lanes of a mask.
+    /// Writes the surfaces at hits of rays with primitives, in the lanes of a mask; others are nowhere. Surfaces in lanes
+    /// are large, so they are written to where they are used.
     #[inline(always)]
-    pub fn surfaces<F: Real>(
+    pub fn find_surfaces<F: Real>(
         &self,
         ray: &LaneRay<F>,
-        at: LaneHit<F>,
-        primitives: F::U32,
+        (at, primitives): (LaneHit<F>, F::U32),
         wanted: F::Mask,
-    ) -> LaneSurface<F> {
-        surfaces(self, ray, at, primitives, wanted)
+        into: &mut LaneSurface<F>,
+    ) {
+        find_surfaces(self, ray, at, primitives, wanted, into);
     }
 
     /// The [clearances](Primitive::clearance) of primitives, in the lanes of a mask; those of others mean nothing.
@@ -86,13 +87,14 @@ impl Geometry {
 }
 
 out_of_line! {
-    fn surfaces<'k, F>(
+    fn find_surfaces<'k, F>(
         geometry: &'k Geometry,
         ray: &'k LaneRay<F>,
         at: LaneHit<F>,
         primitives: F::U32,
         wanted: F::Mask,
-    ) -> LaneSurface<F> {
+        into: &'k mut LaneSurface<F>,
+    ) -> () {
         let (table, indices) = (&geometry.surfaces, primitives.to_array());
         let (mut flat, mut sphere, mut other) = (0u32, 0u32, 0u32);
         // Other lanes read the first slot.
@@ -105,18 +107,18 @@ out_of_line! {
                 Kind::Other => other |= 1 << lane,
             }
         }
-        let mut surface = LaneSurface::nowhere();
+        *into = LaneSurface::nowhere();
         let lookup = Lookup::new(&slots[..F::LANES]);
         if flat != 0 {
             let anchor = Vec3::gather(columns(&table.anchors), &lookup);
             let normal = Vec3::gather(columns(&table.normals), &lookup);
             let found = flat_surface(anchor, ray.at(at.t), normal);
-            surface = LaneSurface::select(F::Mask::from_bits(flat), found, surface);
+            *into = LaneSurface::select(F::Mask::from_bits(flat), found, *into);
         }
         if sphere != 0 {
             let center = Vec3::gather(columns(&table.anchors), &lookup);
             let found = SphereLanes { center, radius: F::gather(&table.radii, &lookup) }.surface(ray, at.t);
-            surface = LaneSurface::select(F::Mask::from_bits(sphere), found, surface);
+            *into = LaneSurface::select(F::Mask::from_bits(sphere), found, *into);
         }
         while other != 0 {
             let index = indices[other.trailing_zeros() as usize];
@@ -124,10 +126,9 @@ out_of_line! {
             // Parts of other primitives may not exist on this one. Every shape has a part 0.
             let part = F::U32::select(same, at.part, F::U32::splat(0));
             let found = geometry.primitives[index as usize].surface(ray, LaneHit { part, ..at });
-            surface = LaneSurface::select(same, found, surface);
+            *into = LaneSurface::select(same, found, *into);
             other &= !same.bits();
         }
-        surface
     }
 }
 

@@ -4,7 +4,7 @@ use super::context::{Queue, TraceContext};
 use super::interaction::SurfaceInteraction;
 use super::materials::{Column, LobeSet, LobeTable};
 use super::path::has_flag;
-use super::shade::{LobeRows, WaveState};
+use super::shade::{LobeRows, WaveState, active};
 use super::stream::{PathState, flags};
 use super::textures;
 use crate::base::lanes::{Color, Level, Lookup, Mask, Real, Row, SimdKernel, Single, lanes};
@@ -64,7 +64,7 @@ impl SimdKernel for RecordAovs<'_, '_> {
         }
         for items in wave.hits.queue(queue).rows() {
             let at = Lookup::ascending(items);
-            let active = L::Mask::from_bits(0xff >> (8 - items.len()));
+            let active = active::<L::F64>(items);
             let path = wave.paths.gather::<L::F64>(&at);
             let seen = active & has_flag::<L::F64>(path.flags, surface.flag());
             if !seen.any() {

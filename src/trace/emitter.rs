@@ -4,7 +4,7 @@ use super::interaction::SurfaceInteraction;
 use super::light::emitted_radiance;
 use super::path::{has_flag, mis_weight};
 use super::path_queue::PathQueue;
-use super::shade::WaveState;
+use super::shade::{WaveState, active};
 use super::stream::flags;
 use crate::base::lanes::{Bits, Level, Lookup, Mask, Row, Select, SimdKernel};
 
@@ -23,7 +23,7 @@ impl SimdKernel for HandleEmitters<'_, '_> {
         let context = wave.context;
         for items in queue.rows() {
             let at = Lookup::ascending(items);
-            let active = L::Mask::from_bits(0xff >> (8 - items.len()));
+            let active = active::<L::F64>(items);
             let path = wave.paths.gather::<L::F64>(&at);
             let hit = SurfaceInteraction::gather(context, &path, (wave.hits, &at), active);
             let weight = match context.columns.mis {

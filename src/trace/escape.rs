@@ -2,7 +2,7 @@
 
 use super::path::mis_weight;
 use super::path_queue::PathQueue;
-use super::shade::WaveState;
+use super::shade::{WaveState, active};
 use crate::base::lanes::{Bits, Color, Level, Lookup, Mask, Row, SimdKernel, Vec3};
 
 /// Adds the light of the sky to the paths of a queue. A path straight from the camera sees the background instead,
@@ -24,7 +24,7 @@ impl SimdKernel for HandleEscaped<'_, '_> {
         }
         for items in queue.rows() {
             let at = Lookup::ascending(items);
-            let mut active = L::Mask::from_bits(0xff >> (8 - items.len()));
+            let mut active = active::<L::F64>(items);
             let path = wave.paths.gather::<L::F64>(&at);
             if let Some(holdout) = context.holdout {
                 let from_eye = active & path.bounces_left.eq(L::U32::splat(context.quality.surfaces()));

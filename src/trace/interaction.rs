@@ -26,20 +26,32 @@ pub struct SurfaceInteraction<F: Real> {
 }
 
 impl<F: Real> SurfaceInteraction<F> {
-    /// The hits of paths in the lanes of a mask. `at` are their indices in the stream.
+    /// The hits of paths in the lanes of a mask. `places` are their indices in the stream.
     #[inline(always)]
     pub fn gather(
         context: &TraceContext,
         path: &PathState<F>,
-        (hits, at): (&HitStream, &Lookup),
+        (hits, places): (&HitStream, &Lookup),
         wanted: F::Mask,
     ) -> Self {
-        let hit = hits.at::<F>(at);
-        let primitive = F::U32::gather(&hits.primitive, at);
-        let material = F::U32::gather(&hits.material, at);
-        let width = path.cone.width_at(hit.t);
-        let surface = Self::new(context, &path.ray, (hit, primitive, material), width, wanted);
-        Self { event: F::U32::gather(&hits.event, at), ..surface }
+        let mut all = Self::at_hits(path, (hits, places));
+        all.find(context, &path.ray, wanted);
+        all
+    }
+
+    /// The hits of paths, without the surfaces, which [`SurfaceInteraction::find`] adds.
+    #[inline(always)]
+    pub fn at_hits(path: &PathState<F>, (hits, places): (&HitStream, &Lookup)) -> Self {
+        let at = hits.at::<F>(places);
+        Self {
+            surface: LaneSurface::nowhere(),
+            outside: F::Mask::splat(true),
+            primitive: F::U32::gather(&hits.primitive, places),
+            material: F::U32::gather(&hits.material, places),
+            width: path.cone.width_at(at.t),
+            event: F::U32::gather(&hits.event, places),
+            at,
+        }
     }
 
     /// The points where rays in the lanes of a mask hit primitives of these materials, for cones of this width.
@@ -51,14 +63,24 @@ impl<F: Real> SurfaceInteraction<F> {
         width: F,
         wanted: F::Mask,
     ) -> Self {
-        let mut surface = context.scene.geometry.surfaces(ray, at, primitive, wanted);
+        let (surface, outside) = (LaneSurface::nowhere(), F::Mask::splat(true));
+        let event = F::U32::splat(NO_EVENT);
+        let mut all = Self { at, surface, outside, primitive, material, width, event };
+        all.find(context, ray, wanted);
+        all
+    }
+
+    /// Finds the surfaces at the hits of rays in the lanes of a mask.
+    #[inline(always)]
+    pub fn find(&mut self, context: &TraceContext, ray: &LaneRay<F>, wanted: F::Mask) {
+        let geometry = context.scene.geometry;
+        geometry.find_surfaces(ray, (self.at, self.primitive), wanted, &mut self.surface);
         if !context.quality.smooth_terminator {
-            surface.lift = Vec3::zero();
+            self.surface.lift = Vec3::zero();
         }
         // Surfaces are two-sided: the normal faces the eye.
-        let outside = surface.normal.dot(ray.direction).le(F::splat(0.0));
-        let surface = surface.flipped(!outside);
-        Self { at, surface, outside, primitive, material, width, event: F::U32::splat(NO_EVENT) }
+        self.outside = self.surface.normal.dot(ray.direction).le(F::splat(0.0));
+        self.surface.flip(!self.outside);
     }
 
     /// Prepares the surfaces for rays that pass them, for materials with these lobes: moves hits off the edges of
@@ -71,7 +93,7 @@ impl<F: Real> SurfaceInteraction<F> {
                 let index = indices[rest.trailing_zeros() as usize];
                 let same = self.primitive.eq(F::U32::splat(index));
                 rest &= !same.bits();
-                // As in `Geometry::surfaces`.
+                // As in `Geometry::find_surfaces`.
                 let own = F::U32::select(same, parts, F::U32::splat(0));
                 let passed = context.scene.geometry.primitives[index as usize].passed(self.surface, own);
                 self.surface = LaneSurface::select(same, passed, self.surface);

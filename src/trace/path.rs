@@ -6,13 +6,14 @@
 //! final ray, which finds only emitted light, is traced for lobes and sources that sampling does not cover.
 
 use super::bsdf::{Bsdf, BsdfSample};
+use super::interaction::SurfaceInteraction;
 use super::light::LightRequest;
 use super::materials::LobeSet;
-use super::shade::{ShadingContext, WaveState};
+use super::shade::{ShadingContext, WaveState, active};
 use super::shadow_stream::ShadowItem;
 use super::spawn::{Spawn, spawn, spawn_lifted, spawn_reflected};
 use super::stream::{PathState, Throughput, flags};
-use crate::base::lanes::{Bits, Color, Level, Mask, Real, Row, Select, SimdKernel, Single, Vec3};
+use crate::base::lanes::{Bits, Color, Level, Lookup, Mask, Real, Row, Select, SimdKernel, Single, Vec3};
 use crate::base::math::LaneRay;
 use crate::sampling::dimension;
 use crate::sequence::quality::PathSettings;
@@ -31,13 +32,16 @@ impl SimdKernel for ShadePaths<'_, '_, '_> {
     #[inline(always)]
     fn run<L: Level>(self) {
         let Self { wave, items, lobes, settings } = self;
-        let at = ShadingContext::<L::F64>::gather(wave, items, lobes);
+        let (places, active) = (Lookup::ascending(items), active::<L::F64>(items));
+        let path = wave.paths.gather::<L::F64>(&places);
+        let mut surface = SurfaceInteraction::at_hits(&path, (wave.hits, &places));
+        let at = ShadingContext::new(wave, (&path, &mut surface), active, lobes);
         PathShader { at: &at, settings }.run(wave);
     }
 }
 
 struct PathShader<'a, F: Real> {
-    at: &'a ShadingContext<F>,
+    at: &'a ShadingContext<'a, F>,
     settings: PathSettings,
 }
 
@@ -69,7 +73,9 @@ impl<F: Real> PathShader<'_, F> {
     fn run(&self, wave: &mut WaveState) {
         let ShadingContext { path, surface, lobes, is_final, .. } = self.at;
         let visible = self.at.pass_hidden(wave);
-        let (bsdf, rows) = self.at.bsdf(wave);
+        let rows = self.at.lobe_rows(wave);
+        let mut bsdf = self.at.bsdf(wave, &rows);
+        bsdf.cover(rows.table(wave), rows.at());
         self.at.add_ambient(wave, visible, &rows);
         if lobes.has(LobeSet::EMISSION) {
             let mut weight = F::F32::splat(1.0);
@@ -225,7 +231,7 @@ impl<F: Real> PathShader<'_, F> {
             bounces_left: F::U32::select(sample.is_transmitted, path.bounces_left, one_less),
             t_start: zero,
             pending: F::U32::splat(0),
-            ..*path
+            ..**path
         };
         if columns.media {
             let passes = sample.is_refracted & bsdf.passes(sample.direction);

@@ -40,12 +40,13 @@ pub struct WaveState<'a> {
     pub rows: &'a mut LobeTable,
 }
 
-/// Paths at surfaces, with everything that both integrators need.
-pub struct ShadingContext<F: Real> {
+/// Paths at surfaces, with everything that both integrators need. It refers to paths and surfaces, since moving them takes
+/// time: they are 3 kB in eight lanes.
+pub struct ShadingContext<'a, F: Real> {
     /// Lanes that have a path.
     pub active: F::Mask,
-    pub path: PathState<F>,
-    pub surface: SurfaceInteraction<F>,
+    pub path: &'a PathState<F>,
+    pub surface: &'a SurfaceInteraction<F>,
     pub lobes: LobeSet,
     pub interface: Interface<F>,
     /// The axes around the direction to the eye.
@@ -59,20 +60,31 @@ pub struct ShadingContext<F: Real> {
     common_key: Option<u32>,
 }
 
-impl<F: Real> ShadingContext<F> {
+/// The lanes of paths, at most eight.
+#[inline(always)]
+pub fn active<F: Real>(items: &[u32]) -> F::Mask {
+    F::Mask::from_bits(0xff >> (8 - items.len()))
+}
+
+impl<'a, F: Real> ShadingContext<'a, F> {
+    /// The paths in the lanes of a mask, and the surfaces that they have hit, which are still to be found and to be prepared
+    /// for materials with these lobes.
     #[inline(always)]
-    pub fn gather(wave: &mut WaveState, items: &[u32], lobes: LobeSet) -> Self {
-        let at = Lookup::ascending(items);
-        let active = F::Mask::from_bits(0xff >> (8 - items.len()));
-        let path = wave.paths.gather::<F>(&at);
+    pub fn new(
+        wave: &mut WaveState,
+        (path, surface): (&'a PathState<F>, &'a mut SurfaceInteraction<F>),
+        active: F::Mask,
+        lobes: LobeSet,
+    ) -> Self {
         let context = wave.context;
-        let mut surface = SurfaceInteraction::gather(context, &path, (wave.hits, &at), active);
+        surface.find(context, &path.ray, active);
         surface.prepare(context, lobes, wave.events, active);
         if lobes.has(LobeSet::RELIEF) {
-            textures::turn_normals(context, &mut surface, path.ray.direction, active);
+            textures::turn_normals(context, surface, path.ray.direction, active);
         }
+        let surface = &*surface;
         let interface = match lobes.has(LobeSet::REFRACTION) {
-            true => Interface::gather(context, (wave.media, wave.events), &surface, path.medium, active),
+            true => Interface::gather(context, (wave.media, wave.events), surface, path.medium, active),
             false => Interface::none(path.medium),
         };
         let to_eye = -path.ray.direction;
@@ -100,31 +112,28 @@ impl<F: Real> ShadingContext<F> {
         }
     }
 
-    /// The lobes at the points.
+    /// The rows of the lobes at the points, after textures were looked up.
     #[inline(always)]
-    pub fn bsdf<'b>(&'b self, wave: &mut WaveState) -> (Bsdf<'b, F>, LobeRows) {
-        let context = wave.context;
+    pub fn lobe_rows(&self, wave: &mut WaveState) -> LobeRows {
         if self.lobes.has(LobeSet::TEXTURED) {
             let needed = self.active & !self.is_final;
             let counts = &mut wave.counts.evaluations;
             let direction = self.path.ray.direction;
-            let rows = &mut *wave.rows;
-            textures::look_up(
-                context,
-                self.lobes,
-                &self.surface,
-                direction,
-                [self.active, needed],
-                rows,
-                counts,
-            );
+            let (context, rows) = (wave.context, &mut *wave.rows);
+            let lanes = [self.active, needed];
+            textures::look_up(context, self.lobes, self.surface, direction, lanes, rows, counts);
         }
-        let rows = LobeRows::new::<F>(self.lobes, self.surface.material);
+        LobeRows::new::<F>(self.lobes, self.surface.material)
+    }
+
+    /// The lobes at the points, of these rows, without the coat.
+    #[inline(always)]
+    pub fn bsdf(&self, wave: &WaveState, rows: &LobeRows) -> Bsdf<'_, F> {
+        let context = wave.context;
         let shininess = self.shininess(context);
         let ior = self.ior(context);
         let seen = (&self.surface.surface, &self.eye, context.is_random);
-        let bsdf = Bsdf::gather(self.lobes, (rows.table(wave), &rows.at), shininess, ior, seen);
-        (bsdf, rows)
+        Bsdf::gather(self.lobes, (rows.table(wave), &rows.at), shininess, ior, seen)
     }
 
     #[inline(always)]
@@ -177,7 +186,7 @@ impl<F: Real> ShadingContext<F> {
             }
         }
         let (t_start, pending) = (F::from_array(t_start), F::U32::from_array(pending));
-        let (PathState { ray, cone, .. }, medium) = (self.path, self.interface.behind);
+        let (&PathState { ray, cone, .. }, medium) = (self.path, self.interface.behind);
         wave.next.push(mask, &PathState { ray, cone, t_start, pending, medium, ..*state });
     }
 
@@ -188,7 +197,7 @@ impl<F: Real> ShadingContext<F> {
         if !self.lobes.has(LobeSet::REFRACTION) || !hidden.any() {
             return self.active;
         }
-        self.pass_on(wave, self.active & hidden, &self.path);
+        self.pass_on(wave, self.active & hidden, self.path);
         self.active & !hidden
     }
 

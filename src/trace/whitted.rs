@@ -3,13 +3,14 @@
 //! Only samples of a lens, an area light, a rough surface or motion are random.
 
 use super::bsdf::{Bsdf, GlossySample};
+use super::interaction::SurfaceInteraction;
 use super::light::LightRequest;
 use super::materials::LobeSet;
-use super::shade::{ShadingContext, WaveState};
+use super::shade::{ShadingContext, WaveState, active};
 use super::shadow_stream::ShadowItem;
 use super::spawn::{Spawn, spawn, spawn_reflected, spawn_scattered};
 use super::stream::{PathState, Throughput, flags};
-use crate::base::lanes::{Bits, Color, Level, Mask, Real, Row, Select, SimdKernel, Single};
+use crate::base::lanes::{Bits, Color, Level, Lookup, Mask, Real, Row, Select, SimdKernel, Single};
 use crate::base::math::LaneRay;
 use crate::sampling::{dimension, hash_lanes};
 
@@ -26,7 +27,10 @@ impl SimdKernel for ShadeWhitted<'_, '_, '_> {
     #[inline(always)]
     fn run<L: Level>(self) {
         let Self { wave, items, lobes } = self;
-        let at = ShadingContext::<L::F64>::gather(wave, items, lobes);
+        let (places, active) = (Lookup::ascending(items), active::<L::F64>(items));
+        let path = wave.paths.gather::<L::F64>(&places);
+        let mut surface = SurfaceInteraction::at_hits(&path, (wave.hits, &places));
+        let at = ShadingContext::new(wave, (&path, &mut surface), active, lobes);
         WhittedShader { at: &at }.run(wave);
     }
 }
@@ -57,7 +61,7 @@ struct Branch<F: Real> {
 }
 
 struct WhittedShader<'a, F: Real> {
-    at: &'a ShadingContext<F>,
+    at: &'a ShadingContext<'a, F>,
 }
 
 impl<F: Real> WhittedShader<'_, F> {
@@ -65,7 +69,9 @@ impl<F: Real> WhittedShader<'_, F> {
     fn run(&self, wave: &mut WaveState) {
         let ShadingContext { path, lobes, is_final, .. } = self.at;
         let visible = self.at.pass_hidden(wave);
-        let (bsdf, rows) = self.at.bsdf(wave);
+        let rows = self.at.lobe_rows(wave);
+        let mut bsdf = self.at.bsdf(wave, &rows);
+        bsdf.cover(rows.table(wave), rows.at());
         self.at.add_ambient(wave, visible, &rows);
         if lobes.has(LobeSet::EMISSION) {
             self.at.add_emission(wave, visible, F::F32::splat(1.0), &rows);
@@ -162,7 +168,7 @@ impl<F: Real> WhittedShader<'_, F> {
     /// A straight transmission is not a bounce.
     #[inline(always)]
     fn transparent(&self, wave: &mut WaveState, bsdf: &Bsdf<F>, visible: F::Mask) {
-        let path = &self.at.path;
+        let path = self.at.path;
         let specular = path.throughput.specular * bsdf.transparency;
         let mask = visible & self.matters(wave, specular * path.throughput.fog_transmittance);
         if !mask.any() {
@@ -220,7 +226,7 @@ impl<F: Real> WhittedShader<'_, F> {
     /// Appends a branch in the lanes where it matters, and returns these lanes.
     #[inline(always)]
     fn push(&self, wave: &mut WaveState, branch: &Branch<F>) -> F::Mask {
-        let path = &self.at.path;
+        let path = self.at.path;
         let one = F::F32::splat(1.0);
         let specular = path.throughput.at_surface() * branch.share;
         let mask = branch.mask & self.matters(wave, specular);

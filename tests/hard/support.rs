@@ -66,5 +66,7 @@ pub fn met(primitive: &Primitive, origin: DVec3, direction: DVec3) -> Option<(f6
 /// The surface with its normal against the direction, as integrators see it.
 pub fn facing(surface: Surface, direction: DVec3) -> Surface {
     let below = surface.normal.dot(direction) > 0.0;
-    LaneSurface::from(&surface).flipped(below).into()
+    let mut surface = LaneSurface::from(&surface);
+    surface.flip(below);
+    surface.into()
 }

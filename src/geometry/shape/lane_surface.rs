@@ -42,8 +42,9 @@ impl<F: Real> LaneSurface<F> {
 
     /// Flips both normals in the lanes of a mask.
     #[inline(always)]
-    pub fn flipped(self, mask: F::Mask) -> Self {
-        Self { normal: self.normal.negate_where(mask), shading: self.shading.negate_where(mask), ..self }
+    pub fn flip(&mut self, mask: F::Mask) {
+        self.normal = self.normal.negate_where(mask);
+        self.shading = self.shading.negate_where(mask);
     }
 
     /// Lanes in which light from `direction` reaches the smooth surface that a mesh approximates. The direction may be

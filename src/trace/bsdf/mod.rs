@@ -130,8 +130,8 @@ out_of_line! {
 }
 
 impl<'a, F: Real> Bsdf<'a, F> {
-    /// Gathers the lobes from rows of a table. `eye` holds the axes around the direction to the eye. Frames around
-    /// normals are built only if samples need them.
+    /// Gathers the lobes but the coat from rows of a table; [`Bsdf::cover`] adds that. `eye` holds the axes around the
+    /// direction to the eye. Frames around normals are built only if samples need them.
     #[inline(always)]
     pub fn gather(
         lobes: LobeSet,
@@ -149,7 +149,7 @@ impl<'a, F: Real> Bsdf<'a, F> {
             false => Metallic::none(),
         };
         let normal = Vec3::select(faces, surface.shading, surface.normal);
-        let mut bsdf = Self {
+        Self {
             lobes,
             surface,
             to_eye,
@@ -168,19 +168,19 @@ impl<'a, F: Real> Bsdf<'a, F> {
             refraction: rows.color(LobeSet::REFRACTION, Column::REFRACTION),
             metallic,
             coat: Metallic::none(),
-        };
-        if lobes.has(LobeSet::COAT) {
-            let [share, roughness, hole] =
-                [Column::COAT, Column::COAT_ROUGHNESS, Column::HOLE].map(|column| table.number(column, at));
-            bsdf.cover(Metallic::coat(share, roughness), hole);
         }
-        bsdf
     }
 
-    /// Lays a coat over all lobes. It takes the light from them that it reflects to the eye as a smooth surface
-    /// (`KHR_materials_clearcoat`, "layering").
+    /// Lays the coat over all lobes, if materials have one. It takes the light from them that it reflects to the eye as a
+    /// smooth surface (`KHR_materials_clearcoat`, "layering").
     #[inline(always)]
-    fn cover(&mut self, coat: Metallic<F>, hole: F::F32) {
+    pub fn cover(&mut self, table: &LobeTable, at: &Lookup) {
+        if !self.lobes.has(LobeSet::COAT) {
+            return;
+        }
+        let [share, roughness, hole] =
+            [Column::COAT, Column::COAT_ROUGHNESS, Column::HOLE].map(|column| table.number(column, at));
+        let coat = Metallic::coat(share, roughness);
         let passed = coat.passed(self.normal.dot(self.to_eye));
         let surface = F::F32::splat(1.0) - hole;
         self.coat = coat;

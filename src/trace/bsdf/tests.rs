@@ -36,7 +36,9 @@ fn with_bsdf<R>(material: &Material, to_eye: DVec3, use_it: impl FnOnce(&Bsdf<f6
     let shininess = Shininess::gather(|_| material.shininess);
     let eye = FrameAxes::from_z_near_x(to_eye.into(), [DVec3::X, DVec3::Y]);
     let rows = (&table, &Lookup::run(0, 1));
-    use_it(&Bsdf::gather(lobes, rows, shininess, material.medium.ior, (&surface, &eye, true)))
+    let mut bsdf = Bsdf::gather(lobes, rows, shininess, material.medium.ior, (&surface, &eye, true));
+    bsdf.cover(rows.0, rows.1);
+    use_it(&bsdf)
 }
 
 #[test]

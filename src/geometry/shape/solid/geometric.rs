@@ -65,9 +65,9 @@ out_of_line! {
             let same = F::Mask::from_bits(same);
             // Parts of other shapes may not exist in this one. Every shape has a part 0.
             let part = F::U32::select(same, parts, F::U32::splat(0));
-            let found = solid.parts()[index].surface(ray, LaneHit { part, ..at }, origin_error);
-            let turned = F::Mask::splat(solid.is_turned(index));
-            surface = LaneSurface::select(same, found.flipped(turned), surface);
+            let mut found = solid.parts()[index].surface(ray, LaneHit { part, ..at }, origin_error);
+            found.flip(F::Mask::splat(solid.is_turned(index)));
+            surface = LaneSurface::select(same, found, surface);
         }
         surface
     }
