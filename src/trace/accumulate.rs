@@ -70,16 +70,11 @@ impl Accumulator {
         DVec3::new(self.sums[at], self.sums[at + self.length], self.sums[at + 2 * self.length])
     }
 
-    /// A number plus the sums of a layer of consecutive samples, one after the other.
+    /// The channels of a layer of consecutive samples.
     #[inline]
-    pub fn added_to(&self, mut sum: DVec3, layer: usize, slots: Range<usize>) -> DVec3 {
+    pub fn of_samples(&self, layer: usize, slots: Range<usize>) -> [&[f64]; 3] {
         let (at, count) = (3 * layer * self.length + slots.start, slots.len());
-        let channel = |channel: usize| &self.sums[at + channel * self.length..][..count];
-        let [r, g, b] = [0, 1, 2].map(channel);
-        for slot in 0..count {
-            sum += DVec3::new(r[slot], g[slot], b[slot]);
-        }
-        sum
+        [0, 1, 2].map(|channel| &self.sums[at + channel * self.length..][..count])
     }
 
     /// Replaces the sum of a layer of a sample.

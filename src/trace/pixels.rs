@@ -119,33 +119,63 @@ impl<'a> PixelTracer<'a> {
         let all_light = scratch.sums.is_valid() && lit == layers && limit.is_none();
         let limit = limit.map(f64::from);
         let (numbers, mut start) = (samples.numbers(), 0);
+        let ScratchBuffer { sums: light, counts, .. } = scratch;
         while let Some(&place) = places.get(start) {
             // Samples of a pixel follow each other, with ascending numbers; or they are few.
             let run = 1 + places[start + 1..].iter().take_while(|other| **other == place).count();
-            let (numbers, slots) = (&numbers[start..start + run], start..start + run);
-            for (part, end) in (place as usize * ends.len()..).zip(ends) {
-                let below = if numbers[run - 1] < *end { run } else { numbers.partition_point(|n| n < end) };
-                let slots = slots.start..slots.start + below;
-                for layer in 0..layers {
-                    let sum = &mut sums[part * layers + layer];
-                    if all_light || layer >= lit {
-                        *sum = match below {
-                            1 => *sum + scratch.sums.get(layer, slots.start as u32),
-                            _ => scratch.sums.added_to(*sum, layer, slots.clone()),
-                        };
-                        continue;
+            // Grids of one sample have nothing else.
+            if run == 1 && ends.len() == 1 && all_light {
+                let own = place as usize * layers;
+                for (layer, sum) in sums[own..own + layers].iter_mut().enumerate() {
+                    *sum += light.get(layer, start as u32);
+                }
+                start += 1;
+                continue;
+            }
+            let numbers = &numbers[start..start + run];
+            let (first, last) = (numbers[0], numbers[run - 1]);
+            let are_consecutive = (last - first) as usize == run - 1;
+            // How many of them have numbers below the end of a part.
+            let below = |part: usize| {
+                let end = ends[part];
+                if end > last {
+                    run
+                } else if are_consecutive {
+                    end.saturating_sub(first) as usize
+                } else {
+                    numbers.partition_point(|number| *number < end)
+                }
+            };
+            for layer in 0..layers {
+                let own = |part: usize| (place as usize * ends.len() + part) * layers + layer;
+                // Sums that are equal at all ends, as before a first visit, have their first samples in common.
+                let is_one = (1..ends.len()).all(|part| sums[own(part)] == sums[own(0)]);
+                let are_valid = all_light || layer >= lit;
+                if is_one && are_valid {
+                    let [r, g, b] = light.of_samples(layer, start..start + run);
+                    let (mut sum, mut counted) = (sums[own(0)], 0);
+                    for part in 0..ends.len() {
+                        let count = below(part);
+                        for slot in counted..count {
+                            sum += DVec3::new(r[slot], g[slot], b[slot]);
+                        }
+                        (sums[own(part)], counted) = (sum, count);
                     }
-                    let mut dropped = Dropped::default();
-                    for slot in slots.clone() {
-                        *sum += valid(scratch.sums.get(layer, slot as u32), limit, &mut dropped);
-                    }
-                    // All samples are below the last end, so each is counted once.
-                    if end == &ends[ends.len() - 1] {
-                        scratch.counts.dropped += dropped;
+                    continue;
+                }
+                let mut dropped = Dropped::default();
+                for part in 0..ends.len() {
+                    dropped = Dropped::default();
+                    for slot in start..start + below(part) {
+                        let sample = light.get(layer, slot as u32);
+                        sums[own(part)] +=
+                            if are_valid { sample } else { valid(sample, limit, &mut dropped) };
                     }
                 }
+                // All samples are below the last end, so each is counted once.
+                counts.dropped += dropped;
             }
-            start = slots.end;
+            start += run;
         }
         samples.clear();
         places.clear();

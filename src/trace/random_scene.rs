@@ -286,25 +286,36 @@ impl RandomScene {
 
     /// The layers of the image and the counts, traced with this many pixels, and samples of each, at a time.
     pub fn trace(&self, pixels_at_once: usize, samples_at_once: u32) -> (Vec<DVec3>, Counts) {
+        self.with_settings(|scene, bvh, settings| {
+            let (pixels, quality) = (PixelTracer::new(scene, bvh, settings, Moment::ONLY), self.quality);
+            let (samples, places, layers) = (pixels.count(), places(), pixels.layers());
+            let mut sums = vec![DVec3::ZERO; places.len() * layers];
+            let mut counts = Counts::default();
+            let parts = places.chunks(pixels_at_once).zip(sums.chunks_mut(pixels_at_once * layers));
+            for (places, sums) in parts {
+                for first in (0..samples).step_by(samples_at_once as usize) {
+                    let samples = first..samples.min(first + samples_at_once);
+                    counts += pixels.add(places, &SampleSet { samples, seed: quality.seed }, sums);
+                }
+            }
+            (sums, counts)
+        })
+    }
+
+    /// Calls `use_it` with a tracer of random samples at a moment, and the places of all pixels.
+    pub fn with_tracer<R>(&self, moment: Moment, use_it: impl FnOnce(&PixelTracer, &[(u32, u32)]) -> R) -> R {
+        self.with_settings(|scene, bvh, settings| {
+            use_it(&PixelTracer::sampled(scene, bvh, settings, moment), &places())
+        })
+    }
+
+    fn with_settings<R>(&self, use_it: impl FnOnce(&Scene, &Bvh, &TraceSettings) -> R) -> R {
         let Self { geometry, shading, camera, quality, layers, aovs, .. } = self;
         let weights = Weights(vec![Rgb::ONE; *layers]);
         let scene = Scene { geometry, shading, weights: &weights, camera };
-        let bvh = Bvh::build(geometry);
         let filter = FilterSampler::new(quality.filter);
         let settings = TraceSettings { size: SIZE, quality: *quality, filter, aovs: *aovs, first_sample: 0 };
-        let pixels = PixelTracer::new(&scene, &bvh, &settings, Moment::ONLY);
-        let samples = if pixels.random { quality.samples } else { quality.antialias * quality.antialias };
-        let places: Vec<_> = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))).collect();
-        let layers = pixels.layers();
-        let mut sums = vec![DVec3::ZERO; places.len() * layers];
-        let mut counts = Counts::default();
-        for (places, sums) in places.chunks(pixels_at_once).zip(sums.chunks_mut(pixels_at_once * layers)) {
-            for first in (0..samples).step_by(samples_at_once as usize) {
-                let samples = first..samples.min(first + samples_at_once);
-                counts += pixels.add(places, &SampleSet { samples, seed: quality.seed }, sums);
-            }
-        }
-        (sums, counts)
+        use_it(&scene, &Bvh::build(geometry), &settings)
     }
 
     /// The film of a range of each pixel's samples.
@@ -318,6 +329,11 @@ impl RandomScene {
             TraceSettings { size: SIZE, quality, filter, aovs: *aovs, first_sample: samples.start };
         trace(&scene, &Bvh::build(geometry), &settings, &ProgressMeter::default()).0
     }
+}
+
+/// The places of all pixels, row by row.
+fn places() -> Vec<(u32, u32)> {
+    (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))).collect()
 }
 
 fn shifted(light: Light, by: DVec3) -> Light {

@@ -2,7 +2,10 @@
 
 use super::{RandomScene, SIZE};
 use crate::base::lanes::tests::on_all_levels;
+use crate::base::math::DVec3;
 use crate::base::stats::Counts;
+use crate::trace::Moment;
+use crate::trace::pixels::SampleSet;
 
 /// All pixels and all their samples at once.
 const ALL: (usize, u32) = ((SIZE.0 * SIZE.1) as usize, u32::MAX);
@@ -96,4 +99,37 @@ fn films_of_halves_make_the_film() {
         }
     }
     assert!(differ > 10_000, "{differ}");
+}
+
+/// The sums at the ends of parts are those of as many samples, also if these belong to several moments, and if light is
+/// limited.
+#[test]
+fn sums_at_ends_are_those_of_fewer_samples() {
+    let (ends, mut differ) = ([2, 4, 8], 0);
+    for seed in 0..12 {
+        let mut scene = RandomScene::of_everything(seed.into());
+        scene.quality.clamp = (seed % 3 == 0).then_some(0.5);
+        let of = 1 + seed % 2;
+        let (mut at_ends, mut apart) = (Vec::new(), [const { Vec::new() }; 3]);
+        for index in 0..of {
+            scene.with_tracer(Moment { index, of }, |pixels, places| {
+                let sums = places.len() * pixels.layers();
+                at_ends.resize(ends.len() * sums, DVec3::ZERO);
+                pixels.add_to_ends(places, (&SampleSet { samples: 0..8, seed }, &ends), &mut at_ends);
+                for (&end, apart) in ends.iter().zip(&mut apart) {
+                    apart.resize(sums, DVec3::ZERO);
+                    pixels.add(places, &SampleSet { samples: 0..end, seed }, apart);
+                }
+            });
+        }
+        let layers = apart[0].len() / (SIZE.0 * SIZE.1) as usize;
+        let sums = apart.each_ref().map(|apart| apart.chunks_exact(layers));
+        let [first, second, third] = sums;
+        for (pixel, ((first, second), third)) in first.zip(second).zip(third).enumerate() {
+            let expected = [first, second, third].concat();
+            assert_eq!(at_ends[pixel * expected.len()..][..expected.len()], expected, "seed {seed}");
+            differ += u32::from(first != second);
+        }
+    }
+    assert!(differ > 1000, "{differ}");
 }
