@@ -3,6 +3,7 @@
 //! Samples double from one of the numbers of a [`Round`] to the next. The means of the samples before and after give the
 //! squared error ([`super::halves`]).
 
+use super::SIDE;
 use super::halves::SampleHalves;
 use super::layer_products::LayerProducts;
 use super::round::Round;
@@ -10,8 +11,31 @@ use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 use crate::film::{ErrorVariance, Variances};
 use crate::trace::settings::Moment;
+use smallvec::SmallVec;
 use std::ops::Range;
 use std::sync::Arc;
+
+/// A number for each pixel of a block; the default for pixels that do not exist.
+pub type PixelArray<T> = [T; (SIDE * SIDE) as usize];
+
+/// The length of a list that takes no memory of its own: for two layers of light and their three pairs.
+pub const SHORT: usize = 3;
+pub type ShortList<T> = SmallVec<[T; SHORT]>;
+
+/// Sums of pixels, `of_pixel` for each of them. Those of its layers begin at `first`.
+#[derive(Clone, Copy)]
+struct PixelSums<'a> {
+    sums: &'a [DVec3],
+    of_pixel: usize,
+    first: usize,
+}
+
+impl PixelSums<'_> {
+    /// The sums of a layer, pixel by pixel.
+    fn of_layer(&self, layer: usize) -> impl Iterator<Item = DVec3> {
+        self.sums.chunks_exact(self.of_pixel).map(move |pixel| pixel[self.first + layer])
+    }
+}
 
 /// The layers of a pixel, the same in all blocks of a frame.
 #[derive(Debug)]
@@ -40,7 +64,7 @@ pub struct Block {
     /// Its rays so far. Blocks that are traced together share theirs by their pixels.
     rays: u64,
     /// The mean over the pixels of each layer that holds light.
-    means: Box<[DVec3]>,
+    means: ShortList<DVec3>,
     /// The error from the halves of the last round, not yet combined with earlier rounds.
     last_round: Option<SquaredErrors>,
     /// The error from all rounds that have been combined.
@@ -52,6 +76,8 @@ pub struct Block {
 #[derive(Clone, Debug)]
 struct SquaredErrors {
     products: LayerProducts,
+    /// With all light weighted equally.
+    square: f64,
     /// Relative to the squared estimate.
     variances: Variances,
 }
@@ -93,7 +119,7 @@ impl Block {
             top,
             width,
             height,
-            means: vec![DVec3::ZERO; layers.held.len()].into(),
+            means: SmallVec::from_elem(DVec3::ZERO, layers.held.len()),
             layers,
             sums: sums.into(),
             partial: None,
@@ -182,10 +208,12 @@ impl Block {
     pub fn push_sums(&self, all: &mut Vec<DVec3>) {
         match (&self.partial, &self.round) {
             (Some(partial), _) => all.extend_from_slice(partial),
+            (None, Some(round)) if self.drawn == 0 => {
+                all.resize(all.len() + self.sums.len() * round.ends().len(), DVec3::ZERO);
+            }
             (None, Some(round)) => {
-                for pixel in self.sums.chunks_exact(self.layers.count) {
-                    round.ends().iter().for_each(|_| all.extend_from_slice(pixel));
-                }
+                debug_assert_eq!(round.ends().len(), 1, "only the first round has several ends");
+                all.extend_from_slice(&self.sums);
             }
             (None, None) => {}
         }
@@ -202,33 +230,27 @@ impl Block {
         }
         self.partial = None;
         let (ends, layers) = (round.ends(), self.layers.count);
-        let at = |pixel: usize, part: usize| &sums[(pixel * ends.len() + part) * layers..][..layers];
-        let mut start = round.start();
+        let of_pixel = layers * ends.len();
+        let (mut start, mut before) =
+            (round.start(), PixelSums { sums: &self.sums, of_pixel: layers, first: 0 });
         for (part, &end) in ends.iter().enumerate() {
-            let before = |pixel: usize| match part {
-                0 => &self.sums[pixel * layers..][..layers],
-                _ => at(pixel, part - 1),
-            };
+            let after = PixelSums { sums, of_pixel, first: part * layers };
             if start > 0 {
-                let errors = self.errors(start..end, before, |pixel| at(pixel, part));
+                let errors = self.errors(start..end, before, after);
                 // Earlier rounds have been combined, so this one is of the same round.
                 if let Some(earlier) = self.last_round.replace(errors) {
                     self.combined = Some(earlier);
                 }
             }
-            start = end;
+            (start, before) = (end, after);
         }
-        for (pixel, own) in self.sums.chunks_exact_mut(layers).enumerate() {
-            own.copy_from_slice(at(pixel, ends.len() - 1));
+        for (own, all) in self.sums.chunks_exact_mut(layers).zip(sums.chunks_exact(of_pixel)) {
+            own.copy_from_slice(&all[of_pixel - layers..]);
         }
-        self.means = self.means(round.end());
-    }
-
-    fn means(&self, samples: u32) -> Box<[DVec3]> {
-        let factor = 1.0 / (f64::from(samples) * f64::from(self.pixels()));
-        let mean =
-            |&layer: &usize| factor * self.sums[layer..].iter().step_by(self.layers.count).sum::<DVec3>();
-        self.layers.held.iter().map(mean).collect()
+        let factor = 1.0 / (f64::from(round.end()) * f64::from(self.pixels()));
+        for (mean, &layer) in self.means.iter_mut().zip(&self.layers.held) {
+            *mean = factor * self.sums[layer..].iter().step_by(layers).sum::<DVec3>();
+        }
     }
 
     /// Ends a round in which it took part.
@@ -236,10 +258,9 @@ impl Block {
         if let Some(round) = self.round.take() {
             self.drawn = round.end();
         }
-        let weights = self.unit_weights();
         let [before, after] = [&self.combined, &self.last_round].map(|errors| {
-            let error = errors.as_ref().map_or(SquaredError::default(), |errors| errors.weighted(&weights));
-            (error.square, error.variances.measured.estimate)
+            let Some(SquaredErrors { square, variances, .. }) = errors else { return (0.0, 0.0) };
+            (*square, square * square * variances.measured.estimate)
         });
         self.trend = (before.0 > 0.0).then_some(Trend { before, after });
     }
@@ -249,8 +270,7 @@ impl Block {
     pub fn join(&mut self, fall: f64) {
         let Some(mut last_round) = self.last_round.take() else { return };
         if let Some(before) = self.combined.take() {
-            let weights = self.unit_weights();
-            let parts = [last_round.products.weighted(&weights), fall * before.products.weighted(&weights)];
+            let parts = [last_round.square, fall * before.square];
             let sum = parts[0] + parts[1];
             if sum > 0.0 {
                 let shares = parts.map(|part| part * part / (sum * sum));
@@ -260,6 +280,7 @@ impl Block {
                 last.measured.estimate = estimate(last.measured.estimate, before.measured.estimate);
             }
             last_round.products.mean(&before.products, fall);
+            last_round.square = 0.5 * sum;
         }
         self.combined = Some(last_round);
     }
@@ -280,50 +301,43 @@ impl Block {
         self.sums[pixel * self.layers.count + layer] / f64::from(self.drawn.max(1))
     }
 
-    fn unit_weights(&self) -> Vec<Rgb> {
-        vec![Rgb::ONE; self.layers.held.len()]
-    }
-
     /// The error by the sums of each pixel before and after these samples.
-    fn errors<'a>(
-        &self,
-        samples: Range<u32>,
-        before: impl Fn(usize) -> &'a [DVec3],
-        after: impl Fn(usize) -> &'a [DVec3],
-    ) -> SquaredErrors {
+    fn errors(&self, samples: Range<u32>, before: PixelSums, after: PixelSums) -> SquaredErrors {
         let halves = SampleHalves::new(samples.start, samples.end);
         let factor = halves.factor() / f64::from(self.pixels());
         let held = &self.layers.held;
-        let mut products = LayerProducts::new(held.len());
-        let mut apart = vec![DVec3::ZERO; held.len()];
-        let (mut sum, mut fourth, mut differences, mut left) = (0.0, 0.0, 0.0, None);
-        for pixel in 0..self.pixels() as usize {
-            let (before, after) = (before(pixel), after(pixel));
-            for (apart, &layer) in apart.iter_mut().zip(held) {
-                *apart = halves.difference(before[layer], after[layer]);
+        let mut layers: ShortList<PixelArray<DVec3>> = SmallVec::new();
+        for &layer in held {
+            let mut apart = PixelArray::default();
+            let both = before.of_layer(layer).zip(after.of_layer(layer));
+            for (apart, (before, after)) in apart.iter_mut().zip(both) {
+                *apart = halves.difference(before, after);
             }
-            products.add(&apart, factor);
-            let square = apart.iter().sum::<DVec3>().length_squared();
-            sum += square;
-            fourth += square * square;
-            // The mean squared difference of two independent numbers is the sum of their variances, plus the squared
-            // difference of their means.
-            left = match left {
-                None => Some(square),
-                Some(other) => {
-                    differences += (square - other) * (square - other);
-                    None
-                }
-            };
+            layers.push(apart);
         }
-        differences += left.map_or(0.0, |alone: f64| alone * alone);
+        let mut all = PixelArray::<DVec3>::default();
+        for layer in &layers {
+            all.iter_mut().zip(layer).for_each(|(all, apart)| *all += *apart);
+        }
+        let mut squares = PixelArray::<f64>::default();
+        squares.iter_mut().zip(&all).for_each(|(square, apart)| *square = apart.length_squared());
+        let sum: f64 = squares.iter().sum();
+        let fourth: f64 = squares.iter().map(|square| square * square).sum();
+        // The mean squared difference of two independent numbers is the sum of their variances, plus the squared
+        // difference of their means. A last one without a partner is compared with 0.
+        let pairs = squares.as_chunks::<2>().0.iter();
+        let differences: f64 = pairs.map(|[left, right]| (right - left) * (right - left)).sum();
         // The variance of a mean of independent numbers is their variance over their count, and each variance is at
         // most the mean square. This bound holds even if pixels differ widely or few of them are far off.
         let [bound, measured] = [fourth, differences].map(|part| {
             let variance = if sum > 0.0 { part / (sum * sum) } else { 0.0 };
             ErrorVariance { estimate: variance, truth: variance }
         });
-        SquaredErrors { products, variances: Variances { bound, measured } }
+        SquaredErrors {
+            products: LayerProducts::new(&layers, factor),
+            square: factor * sum / 3.0,
+            variances: Variances { bound, measured },
+        }
     }
 }
 

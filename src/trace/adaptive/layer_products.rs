@@ -3,27 +3,26 @@
 //! With layers d and weights w, the square of Σ w d is Σ w w' d d'. So the sums of products of pairs of layers give the
 //! square for any weights.
 
+use super::block::{PixelArray, ShortList};
 use crate::base::color::Rgb;
 use crate::base::math::DVec3;
 
 /// The sum of the products of every two layers, by colour.
 #[derive(Clone, Debug, Default)]
-pub struct LayerProducts(Box<[DVec3]>);
+pub struct LayerProducts(ShortList<DVec3>);
 
 impl LayerProducts {
-    pub fn new(layers: usize) -> Self {
-        Self(vec![DVec3::ZERO; layers * (layers + 1) / 2].into())
-    }
-
-    /// Adds the products of the layers of a pixel, times a factor.
-    pub fn add(&mut self, layers: &[DVec3], factor: f64) {
-        let mut sums = self.0.iter_mut();
-        for (index, &a) in layers.iter().enumerate() {
-            // The sums hold the pairs in this order.
-            for (&b, sum) in layers[..=index].iter().zip(&mut sums) {
-                *sum += factor * a * b;
-            }
+    /// Of the layers of some pixels, times a factor.
+    pub fn new(layers: &[PixelArray<DVec3>], factor: f64) -> Self {
+        let mut sums = ShortList::with_capacity(layers.len() * (layers.len() + 1) / 2);
+        for (index, a) in layers.iter().enumerate() {
+            sums.extend(
+                layers[..=index]
+                    .iter()
+                    .map(|b| factor * a.iter().zip(b).fold(DVec3::ZERO, |sum, (a, b)| sum + *a * *b)),
+            );
         }
+        Self(sums)
     }
 
     /// Replaces the sums by the mean of themselves and `share` times the others.
@@ -52,8 +51,12 @@ mod tests {
     #[test]
     fn squares_of_any_weights() {
         let pixels = [[1.0, -2.0, 0.5], [0.25, 3.0, -1.0]].map(|layers| layers.map(DVec3::splat));
-        let mut products = LayerProducts::new(3);
-        pixels.iter().for_each(|layers| products.add(layers, 2.0));
+        let layers = [0, 1, 2].map(|layer| {
+            let mut all = PixelArray::default();
+            (all[0], all[1]) = (pixels[0][layer], pixels[1][layer]);
+            all
+        });
+        let products = LayerProducts::new(&layers, 2.0);
         for weights in [[1.0, 0.0, 0.0], [0.5, 2.0, 0.25], [0.0, 1.0, 4.0]] {
             let weighted = |layers: &[DVec3; 3]| -> f64 {
                 layers.iter().zip(weights).map(|(layer, weight)| layer.x * weight).sum()

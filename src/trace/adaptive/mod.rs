@@ -26,7 +26,7 @@ use crate::film::{AovSet, Film, Noise, lit};
 use crate::scene::top_level::Bvh;
 use crate::scene::{Scene, Weights};
 use crate::sequence::quality::NoiseTarget;
-use block::{Block, PixelLayers};
+use block::{Block, PixelLayers, SHORT};
 use block_group::BlockGroup;
 use estimate::ErrorEstimate;
 use rayon::prelude::*;
@@ -48,7 +48,9 @@ pub const MIN_SAMPLES: u32 = 8;
 /// moments also keeps the sums at the ends of its round, which are most in the first one.
 pub fn bytes_of_pixel(layers: u64, has_moments: bool) -> u64 {
     let (pairs, light) = (layers * (layers + 1) / 2, size_of::<glam::DVec3>() as u64);
-    let block = size_of::<Block>() as u64 + (layers + 2 * pairs) * light;
+    // Short lists are part of their block.
+    let elsewhere = |count: u64| if count > SHORT as u64 { count } else { 0 };
+    let block = size_of::<Block>() as u64 + (elsewhere(layers) + 2 * elsewhere(pairs)) * light;
     let sums = if has_moments { 1 + Round::MOST_ENDS as u64 } else { 1 };
     sums * layers * light + block.div_ceil(u64::from(SIDE * SIDE))
 }
