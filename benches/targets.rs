@@ -5,14 +5,16 @@
 //! cargo bench --bench targets -- sequences/light-show.ron --frame 10 --noise 0.05
 //! ```
 //!
-//! A frame is traced to the target with many seeds, and in turn with powers of two of samples in every pixel, on one
-//! thread. True errors are against two long renders with seeds of their own; see [`ReferencePair`]. It prints:
+//! A frame is traced to the target with many seeds, and in turn with numbers of samples in every pixel, on one thread:
+//! powers of two, and one and a half times each. True errors are against two long renders with seeds of their own; see
+//! [`ReferencePair`]. It prints:
 //!
 //! - the median error of the target's pictures, relative to the mean of the frame, and their samples a pixel;
 //! - the median of the stated error over the true one, and the shares of the seeds whose true error lies in the stated
 //!   interval, and above it;
 //! - the CPU time and the rays of the target, as shares of what the uniform samples of the same median error take.
-//!   Times and errors of uniform samples are interpolated between their numbers on logarithmic axes;
+//!   Times and errors of uniform samples are interpolated between their numbers on logarithmic axes,
+//!   without numbers whose errors are larger than those of fewer samples;
 //! - the error of the worst block of 8 x 8 pixels, as a share of that of uniform samples of the same time;
 //! - the share of the squared error that the worst hundredth of the pixels holds, beside that of uniform samples of the
 //!   same time.
@@ -40,8 +42,11 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 /// The side of a block, in pixels.
 const BLOCK: usize = 8;
 
-/// Numbers of uniform samples are powers of two; these are the exponents of the middle one of three.
+/// The exponents of the middle one of the numbers of uniform samples, which is a power of two.
 const MIDDLES: Range<u32> = 3..13;
+
+/// The numbers of uniform samples.
+const COUNTS: usize = 5;
 
 struct Settings {
     files: Vec<String>,
@@ -138,7 +143,7 @@ fn compare(file: &str, settings: &Settings) -> Outcome<()> {
     let frame = Frame::new(&sequence, settings, &pool)?;
     let mut targets = vec![frame.target(settings.noise, 1)?];
     let counts = frame.counts_around(&targets[0])?;
-    let mut all = vec![Vec::new(); 3];
+    let mut all = vec![Vec::new(); COUNTS];
     for seed in 1..=settings.seeds {
         if seed > 1 {
             targets.push(frame.target(settings.noise, seed)?);
@@ -149,7 +154,17 @@ fn compare(file: &str, settings: &Settings) -> Outcome<()> {
     }
     let target = Picture::median(&targets);
     let uniform: Vec<Picture> = all.iter().map(|pictures| Picture::median(pictures)).collect();
-    let at_error = |of: fn(&Picture) -> f64| interpolated(&uniform, |at| at.error, of, target.error);
+    // Nobody would take a number of samples whose error is larger than that of fewer.
+    let mut useful: Vec<Picture> = Vec::new();
+    for picture in &uniform {
+        if useful.last().is_none_or(|last| picture.error < last.error) {
+            useful.push(*picture);
+        }
+    }
+    if useful.len() < 2 {
+        return Err("more uniform samples have larger errors: take more seeds".into());
+    }
+    let at_error = |of: fn(&Picture) -> f64| interpolated(&useful, |at| at.error, of, target.error);
     let at_time = |of: fn(&Picture) -> f64| interpolated(&uniform, |at| at.time, of, target.time);
     let name = Path::new(file).file_stem().unwrap_or_default().to_string_lossy();
     writeln!(
@@ -203,11 +218,13 @@ impl<'a> Frame<'a> {
         Ok(Picture { time, rays, error, block, worst, samples, stated: stated / error, low, high })
     }
 
-    /// Three powers of two of samples, around that with the error of a picture.
-    fn counts_around(&self, picture: &Picture) -> Outcome<[u32; 3]> {
+    /// Ascending numbers of samples, around that with the error of a picture. Those between powers of two are traced, not
+    /// interpolated, as stratified points are best at powers of two.
+    fn counts_around(&self, picture: &Picture) -> Outcome<[u32; COUNTS]> {
         for middle in MIDDLES {
-            if self.uniform(1 << middle, 1)?.error <= picture.error {
-                return Ok([middle - 1, middle, middle + 1].map(|power| 1 << power));
+            let count = 1 << middle;
+            if self.uniform(count, 1)?.error <= picture.error {
+                return Ok([count / 2, count / 4 * 3, count, count / 2 * 3, 2 * count]);
             }
         }
         Err("uniform samples do not reach the target".into())
