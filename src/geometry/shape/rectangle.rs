@@ -114,8 +114,13 @@ impl<F: Real> RectangleLanes<F> {
     /// The same in all lanes.
     #[inline(always)]
     pub fn splat(rectangle: &Rectangle) -> Self {
+        Self::with_normal(rectangle, rectangle.normal())
+    }
+
+    /// The same in all lanes, if its unit normal is known.
+    #[inline(always)]
+    pub fn with_normal(rectangle: &Rectangle, normal: DVec3) -> Self {
         let Rectangle { corner, u, v } = *rectangle;
-        let [corner, u, v, normal] = [corner, u, v, rectangle.normal()];
         Self {
             corner: Vec3::splat(corner),
             u: Vec3::splat(u),

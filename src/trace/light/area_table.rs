@@ -1,6 +1,6 @@
 //! Several sources with an area: each lane samples the one that it has chosen.
 
-use super::evaluate::per_area;
+use super::evaluate::Face;
 use super::sampled_emitter::SampledEmitter;
 use super::{LightSample, Receiver, area};
 use crate::appearance::light::Source;
@@ -141,7 +141,7 @@ impl AreaSource {
     /// None if a source has another shape, or varying radiance.
     fn new(source: &SampledEmitter, scene: &Scene) -> Option<Self> {
         match source {
-            SampledEmitter::Light(_, light) => {
+            SampledEmitter::Light(_, light, _) => {
                 let (shape, both_sides) = match light.source {
                     Source::Sphere(sphere) => (AreaShape::Sphere(sphere), false),
                     Source::Rectangle { rectangle, one_sided } => {
@@ -176,8 +176,9 @@ impl AreaSource {
     fn rectangle(&self) -> Option<([f64; 13], bool)> {
         let AreaShape::Rectangle(rectangle) = self.shape else { return None };
         // The last number stays 1 over the area.
-        let (Rectangle { corner, u, v }, mut numbers) = (rectangle, [per_area(&rectangle); 13]);
-        let vectors = [corner, u, v, rectangle.normal()];
+        let (Rectangle { corner, u, v }, face) = (rectangle, Face::new(&rectangle));
+        let mut numbers = [face.per_area; 13];
+        let vectors = [corner, u, v, face.normal];
         for (vector, numbers) in vectors.into_iter().zip(numbers.chunks_exact_mut(3)) {
             numbers.copy_from_slice(&vector.to_array());
         }

@@ -4,11 +4,39 @@ use super::{LightSample, Receiver, area, punctual};
 use crate::appearance::light::{Light, Source};
 use crate::base::color::Rgb;
 use crate::base::lanes::{Color, Mask, Real, Select, Vec3};
+use crate::base::math::DVec3;
 use crate::geometry::shape::{Rectangle, RectangleLanes, SphereLanes};
+
+/// What all samples of a rectangle have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct Face {
+    /// The unit normal.
+    pub normal: DVec3,
+    /// 1 over the area.
+    pub per_area: f64,
+}
+
+impl Face {
+    pub fn new(rectangle: &Rectangle) -> Self {
+        Self { normal: rectangle.normal(), per_area: 1.0 / rectangle.u.cross(rectangle.v).length() }
+    }
+
+    /// The face of a light; of no meaning for other lights than rectangles.
+    pub fn of_light(light: &Light) -> Self {
+        match &light.source {
+            Source::Rectangle { rectangle, .. } => Self::new(rectangle),
+            _ => Self { normal: DVec3::Y, per_area: 0.0 },
+        }
+    }
+}
 
 /// Samples the light of one light at points. Only [sampled](Source::is_sampled) lights use u and v, which are in 0..1.
 #[inline(always)]
-pub fn sample_light<F: Real>(light: &Light, at: &Receiver<F>, [u, v]: [F; 2]) -> LightSample<F> {
+pub fn sample_light<F: Real>(
+    (light, face): (&Light, &Face),
+    at: &Receiver<F>,
+    [u, v]: [F; 2],
+) -> LightSample<F> {
     let radiance = Color::splat(light.radiance);
     let sample = match &light.source {
         Source::Point { position, attenuation } => {
@@ -24,17 +52,17 @@ pub fn sample_light<F: Real>(light: &Light, at: &Receiver<F>, [u, v]: [F; 2]) ->
             area::spheres(&SphereLanes::splat(sphere), F::Mask::splat(false), at, [u, v], radiance)
         }
         Source::Rectangle { rectangle, one_sided } => {
-            let per_area = F::splat(per_area(rectangle));
-            let lanes = RectangleLanes::splat(rectangle);
-            area::rectangles((&lanes, per_area), F::Mask::splat(!one_sided), at, [u, v], radiance)
+            let lanes = RectangleLanes::with_normal(rectangle, face.normal);
+            area::rectangles(
+                (&lanes, F::splat(face.per_area)),
+                F::Mask::splat(!one_sided),
+                at,
+                [u, v],
+                radiance,
+            )
         }
     };
     LightSample { casts_shadows: F::Mask::splat(light.shadows), ..sample }
-}
-
-/// 1 over the area of a rectangle.
-pub fn per_area(rectangle: &Rectangle) -> f64 {
-    1.0 / rectangle.u.cross(rectangle.v).length()
 }
 
 /// The radiance of a light that is part of the geometry, where paths hit it. `outside` are the lanes on the side of its

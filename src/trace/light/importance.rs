@@ -44,7 +44,7 @@ pub enum Facing {
 impl Importance {
     pub fn of(emitter: &SampledEmitter, scene: &Scene) -> Self {
         match emitter {
-            SampledEmitter::Light(_, light) => {
+            SampledEmitter::Light(_, light, _) => {
                 let brightness = brightness(light.radiance);
                 match light.source {
                     Source::Directional { .. } => Self::Distant(brightness),

@@ -1,5 +1,6 @@
 //! Sources of light that can be sampled.
 
+use super::evaluate::Face;
 use crate::appearance::environment::{Environment, EnvironmentDistribution};
 use crate::appearance::light::Light;
 use crate::appearance::material::MaterialBinding;
@@ -12,8 +13,8 @@ use crate::scene::{Finish, Scene};
 /// A source of light.
 #[derive(Clone, Copy, Debug)]
 pub enum SampledEmitter<'a> {
-    /// The light of this index in the scene.
-    Light(u32, Light),
+    /// The light of this index in the scene, and its face.
+    Light(u32, Light, Face),
     /// The primitive of this index, which emits, and what its textures read.
     Object(u32, TextureInputs),
     Sky(&'a EnvironmentDistribution),
@@ -23,7 +24,7 @@ impl SampledEmitter<'_> {
     /// Whether its light comes from more than one direction, so that sampling it takes random numbers.
     pub(super) fn is_sampled(&self) -> bool {
         match self {
-            Self::Light(_, light) => light.source.is_sampled(),
+            Self::Light(_, light, _) => light.source.is_sampled(),
             Self::Object(..) | Self::Sky(_) => true,
         }
     }
@@ -31,7 +32,7 @@ impl SampledEmitter<'_> {
     /// Whether objects block its light.
     pub(super) fn casts_shadows(&self) -> bool {
         match self {
-            Self::Light(_, light) => light.shadows,
+            Self::Light(_, light, _) => light.shadows,
             Self::Object(..) | Self::Sky(_) => true,
         }
     }
@@ -45,7 +46,9 @@ pub(super) fn sources<'a>(
     emitters: bool,
 ) -> Vec<(LayerId, SampledEmitter<'a>)> {
     let shading = scene.shading;
-    let lights = scene.lights().map(|(index, light)| (light.layer, SampledEmitter::Light(index, *light)));
+    let lights = scene
+        .lights()
+        .map(|(index, light)| (light.layer, SampledEmitter::Light(index, *light, Face::of_light(light))));
     if !emitters {
         return lights.collect();
     }

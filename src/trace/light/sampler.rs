@@ -60,7 +60,7 @@ impl<'a> LightSampler<'a> {
             for (member, source) in group.members.iter().enumerate() {
                 let place = SourcePlace { group: index, member };
                 match source {
-                    SampledEmitter::Light(light, _) => self.lights[*light as usize] = Some(place),
+                    SampledEmitter::Light(light, ..) => self.lights[*light as usize] = Some(place),
                     SampledEmitter::Object(primitive, _) => self.objects.push((*primitive, place)),
                     SampledEmitter::Sky(table) => self.sky = Some((table, place)),
                 }
@@ -136,7 +136,7 @@ impl<'a> LightSampler<'a> {
         u: [F; 2],
     ) -> LightSample<F> {
         match emitter {
-            SampledEmitter::Light(_, light) => sample_light(light, at, u),
+            SampledEmitter::Light(_, light, face) => sample_light((light, face), at, u),
             SampledEmitter::Sky(table) => match self.environment {
                 Some(environment) => sky::sample(environment, table, u),
                 None => LightSample::none(),
