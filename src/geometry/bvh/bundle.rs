@@ -2,6 +2,7 @@
 
 use super::Slabs;
 use super::bundle_slabs::BundleSlabs;
+use super::bundle_sweep::Met;
 use super::traversal::{LeafVisitor, Stack, Traversal};
 use super::tree::{Child, Node, Tree};
 use crate::base::lanes::{LaneKernel, Level, Row};
@@ -10,6 +11,9 @@ use crate::base::lanes::{LaneKernel, Level, Row};
 pub trait BundleVisitor<L: Level> {
     /// Whether a ray leaves the bundle where it is the only one, if all rays go the same way.
     const ALONE: bool = false;
+
+    /// Whether the nearest leaves of a small tree are visited first.
+    const IN_ORDER: bool = true;
 
     /// Tests the primitives of a leaf for the rays whose bits are set. Implementations are `#[inline(always)]`.
     fn visit(&mut self, leaf: u32, rays: u32);
@@ -61,6 +65,7 @@ pub(super) const STACK: usize = 64;
 /// the walks since it was last cleared.
 pub struct BundleStack {
     pub(super) waiting: [Waiting; STACK],
+    pub(super) met: Met,
     pub work: BundleWork,
 }
 
@@ -83,7 +88,7 @@ impl BundleWork {
 impl Default for BundleStack {
     fn default() -> Self {
         let none = Waiting { enter: 0.0, least: 0.0, place: Place(0), rays: 0 };
-        Self { waiting: [none; STACK], work: BundleWork::default() }
+        Self { waiting: [none; STACK], met: Met::default(), work: BundleWork::default() }
     }
 }
 
@@ -97,9 +102,13 @@ impl Tree {
         leaves: &mut impl BundleVisitor<L>,
         stack: &mut BundleStack,
     ) {
-        if self.root != Child::NONE {
-            self.walk_bundle_from(self.root, slabs, rays, leaves, stack);
+        if self.root == Child::NONE {
+            return;
         }
+        if slabs.sweep(self) && self.root.as_leaf().is_none() {
+            return self.sweep(slabs, rays, leaves, stack);
+        }
+        self.walk_bundle_from(self.root, slabs, rays, leaves, stack);
     }
 
     #[inline(always)]
@@ -125,7 +134,7 @@ impl Tree {
         slabs: &BundleSlabs<L>,
         mut rays: u32,
         leaves: &mut T,
-        BundleStack { waiting: stack, work }: &mut BundleStack,
+        BundleStack { waiting: stack, work, .. }: &mut BundleStack,
     ) {
         let (mut top, mut at) = (0, from);
         let mut farthest = slabs.farthest(leaves.limit());

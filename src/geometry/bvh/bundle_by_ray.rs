@@ -15,7 +15,7 @@ impl Tree {
         (slabs, rows): (&BundleSlabs<L>, &Rows),
         mut rays: u32,
         leaves: &mut impl BundleVisitor<L>,
-        BundleStack { waiting: stack, work }: &mut BundleStack,
+        BundleStack { waiting: stack, work, .. }: &mut BundleStack,
     ) {
         let (mut top, mut at) = (0, from);
         loop {

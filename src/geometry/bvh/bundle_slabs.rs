@@ -7,7 +7,7 @@ use super::tree_space::ROUNDING;
 use crate::base::lanes::{Level, Mask, Real, Row, Select, Single, Vec3};
 use crate::base::math::{LaneRay, gamma, max, min};
 
-/// In trees of at most this many nodes, computing a hull takes longer than it saves.
+/// In trees of at most this many nodes, bundles take less time than single rays, whichever way the rays go.
 const SMALL: usize = 8;
 
 /// Eight rays in the form that the tree's box filters use, like [`Slabs`](super::Slabs).
@@ -17,6 +17,8 @@ pub struct BundleSlabs<L: Level> {
     leave: [[L::F32; 2]; 3],
     /// Along each axis, the bits of rays that enter boxes by their upper planes.
     backwards: [u32; 3],
+    /// Whether the rays have the same sign along every axis.
+    same_way: bool,
     unit: L::F64,
     /// Where the searches begin, in the filter's units, rounded down.
     from: L::F32,
@@ -56,7 +58,7 @@ impl<L: Level> BundleSlabs<L> {
             && (backwards[1] == 0 || backwards[1] == near)
             && (backwards[2] == 0 || backwards[2] == near);
         let mut hull = None;
-        if same_way && !tree.is_small() {
+        if same_way && !tree.is_swept() {
             let x = Self::hull(origin.x, x.steepness, error, backwards[0] == 0, near);
             let y = Self::hull(origin.y, y.steepness, error, backwards[1] == 0, near);
             let z = Self::hull(origin.z, z.steepness, error, backwards[2] == 0, near);
@@ -74,10 +76,15 @@ impl<L: Level> BundleSlabs<L> {
         let from = (after * scale * per_world * L::F64::splat(1.0 - 4.0 * ROUNDOFF)).to_f32();
         let (enter, leave) = ([x.enter, y.enter, z.enter], [x.leave, y.leave, z.leave]);
         let slabs = Self {
-            rows: if same_way { None } else { Some(Rows::new(enter, leave, backwards, from)) },
+            rows: if same_way || tree.is_swept() {
+                None
+            } else {
+                Some(Rows::new(enter, leave, backwards, from))
+            },
             enter,
             leave,
             backwards,
+            same_way,
             unit: scale * per_world,
             from,
             origin: [origin.x.to_f32(), origin.y.to_f32(), origin.z.to_f32()],
@@ -144,6 +151,13 @@ impl<L: Level> BundleSlabs<L> {
         ]
     }
 
+    /// Whether bundles [sweep](Tree::sweep) a tree with these rays. Where most rays of a bundle meet the same few boxes, a
+    /// walk's branches can be predicted.
+    #[inline(always)]
+    pub(super) fn sweep(&self, tree: &Tree) -> bool {
+        tree.is_swept() && !(self.same_way && tree.is_small())
+    }
+
     /// The origins in the tree's space, in f32.
     #[inline(always)]
     pub fn origin(&self) -> [L::F32; 3] {
@@ -203,7 +217,7 @@ impl<L: Level> BundleSlabs<L> {
 }
 
 impl Tree {
-    /// Whether the tree is too small for a hull of the rays.
+    /// Whether bundles are faster than single rays in any case.
     #[inline(always)]
     pub fn is_small(&self) -> bool {
         self.nodes.len() <= SMALL

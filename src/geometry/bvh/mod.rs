@@ -8,6 +8,7 @@ mod bundle;
 mod bundle_by_ray;
 mod bundle_rows;
 mod bundle_slabs;
+mod bundle_sweep;
 mod leaf_primitives;
 mod slabs;
 mod traversal;

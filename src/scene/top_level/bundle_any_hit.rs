@@ -183,6 +183,8 @@ impl<L: Level> AnyHitWalk<'_, '_, L> {
 }
 
 impl<L: Level> BundleVisitor<L> for AnyHitWalk<'_, '_, L> {
+    const IN_ORDER: bool = false;
+
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
         let (primitives, rays) = (self.bvh.leaves.leaf(leaf), L::Mask::from_bits(rays));

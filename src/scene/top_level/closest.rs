@@ -153,7 +153,8 @@ impl<'a, F: Real> LaneClosestHit<'a, F> {
         best.at.part = F::U32::select(better, at.part, best.at.part);
         best.primitive = F::U32::select(better, index, best.primitive);
         let limit = self.coincidence_range.end(best.at.t);
-        self.limit = F::select(at.is_hit(), self.limit.min(limit), self.limit);
+        // Not as a choice between two limits: lanes that are blended in memory are read before they are stored.
+        self.limit = self.limit.min(F::select(at.is_hit(), limit, F::splat(f64::INFINITY)));
     }
 
     /// The minima and maxima of t.

@@ -398,7 +398,7 @@ impl SimdKernel for Occlude<'_> {
 /// Runs a test for geometries with and without a tree, with eight rays at a time.
 fn each_eight(mut test: impl FnMut(&Geometry, &Bvh, &Eight, &mut Random, Coherence)) {
     let mut random = Random(5);
-    for count in [0, 1, 3, 11, 12, 300] {
+    for count in [0, 1, 3, 11, 12, 60, 200, 1000] {
         let geometry = random_geometry(&mut random, count);
         let bvh = Bvh::build(&geometry);
         for _ in 0..1000 {
