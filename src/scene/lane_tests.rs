@@ -150,8 +150,11 @@ fn draw<F: Real>(
 }
 
 fn shapes() -> Vec<Shape> {
-    let mesh = Arc::new(mesh::TriangleMesh::new(generate::displaced_sphere(2, 5)).expect("a mesh"));
-    let mesh = |normals| Shape::Mesh(Mesh::new(mesh.clone(), normals));
+    // Bundles sweep the BVH of the first one, and walk that of the other.
+    let mesh = |levels, normals| {
+        let mesh = mesh::TriangleMesh::new(generate::displaced_sphere(levels, 5)).expect("a mesh");
+        Shape::Mesh(Mesh::new(Arc::new(mesh), normals))
+    };
     let (a, b, c) = (DVec3::new(-0.7, -0.6, 0.1), DVec3::new(0.8, -0.2, -0.3), DVec3::new(0.1, 0.9, 0.4));
     let cylinder = |capped| Shape::Cylinder(Cylinder::new(a, b, 0.4, capped).expect("a cylinder"));
     let ball = |center, radius| Shape::Sphere(Sphere { center, radius });
@@ -168,12 +171,12 @@ fn shapes() -> Vec<Shape> {
         cone(0.0),
         cone(0.3),
         Shape::Torus(Torus::new(b, c.normalize(), 1.0, 0.3)),
-        mesh(Normals::Smooth),
-        mesh(Normals::Flat),
+        mesh(2, Normals::Smooth),
+        mesh(4, Normals::Flat),
         Shape::Particles(Particles::still([a, b, c].map(|center| Sphere { center, radius: 0.6 }).repeat(4))),
         Shape::Solid(Solid::new(Operation::Difference, vec![ball(a, 1.1), ball(b, 0.9)])),
         Shape::Solid(Solid::cut(
-            &mesh(Normals::Smooth),
+            &mesh(2, Normals::Smooth),
             [Plane { point: DVec3::ZERO, normal: c.normalize() }],
         )),
     ]

@@ -249,6 +249,8 @@ impl<L: Level> LaneSearch<'_, L> {
 }
 
 impl<L: Level> BundleVisitor<L> for LaneSearch<'_, L> {
+    const IN_ORDER: bool = false;
+
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
         self.test(self.movers.leaves.leaf(leaf), rays);

@@ -2,7 +2,7 @@
 
 use super::Slabs;
 use super::bundle_slabs::BundleSlabs;
-use super::bundle_sweep::Met;
+use super::bundle_sweep::SweepMemory;
 use super::traversal::{LeafVisitor, Stack, Traversal};
 use super::tree::{Child, Node, Tree};
 use crate::base::lanes::{LaneKernel, Level, Row};
@@ -12,7 +12,7 @@ pub trait BundleVisitor<L: Level> {
     /// Whether a ray leaves the bundle where it is the only one, if all rays go the same way.
     const ALONE: bool = false;
 
-    /// Whether the nearest leaves of a small tree are visited first.
+    /// Whether a [sweep](Tree::sweep) visits near leaves before far ones.
     const IN_ORDER: bool = true;
 
     /// Tests the primitives of a leaf for the rays whose bits are set. Implementations are `#[inline(always)]`.
@@ -65,7 +65,7 @@ pub(super) const STACK: usize = 64;
 /// the walks since it was last cleared.
 pub struct BundleStack {
     pub(super) waiting: [Waiting; STACK],
-    pub(super) met: Met,
+    pub(super) met: SweepMemory,
     pub work: BundleWork,
 }
 
@@ -88,7 +88,7 @@ impl BundleWork {
 impl Default for BundleStack {
     fn default() -> Self {
         let none = Waiting { enter: 0.0, least: 0.0, place: Place(0), rays: 0 };
-        Self { waiting: [none; STACK], met: Met::default(), work: BundleWork::default() }
+        Self { waiting: [none; STACK], met: SweepMemory::default(), work: BundleWork::default() }
     }
 }
 
@@ -105,7 +105,7 @@ impl Tree {
         if self.root == Child::NONE {
             return;
         }
-        if slabs.sweep(self) && self.root.as_leaf().is_none() {
+        if slabs.sweeps(self) && self.root.as_leaf().is_none() {
             return self.sweep(slabs, rays, leaves, stack);
         }
         self.walk_bundle_from(self.root, slabs, rays, leaves, stack);

@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn rays_meet_the_children_that_meet_them() {
         let mut random = Random(8);
-        let boxes: Vec<Aabb> = (0..300)
+        let boxes: Vec<Aabb> = (0..1000)
             .map(|_| {
                 let min = random.point(4.0);
                 Aabb { min, max: min + DVec3::splat(random.unit()) }

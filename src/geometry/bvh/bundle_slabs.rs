@@ -26,7 +26,7 @@ pub struct BundleSlabs<L: Level> {
     error: L::F32,
     /// The hull of all rays, if they go the same way along every axis.
     pub(super) hull: Option<WideSlabs<L::F32>>,
-    /// The rays one by one, if they do not.
+    /// The rays one by one, if they do not and the tree is too large for a [sweep](Tree::sweep).
     pub(super) rows: Option<Rows>,
 }
 
@@ -58,7 +58,7 @@ impl<L: Level> BundleSlabs<L> {
             && (backwards[1] == 0 || backwards[1] == near)
             && (backwards[2] == 0 || backwards[2] == near);
         let mut hull = None;
-        if same_way && !tree.is_swept() {
+        if same_way && !tree.is_small() {
             let x = Self::hull(origin.x, x.steepness, error, backwards[0] == 0, near);
             let y = Self::hull(origin.y, y.steepness, error, backwards[1] == 0, near);
             let z = Self::hull(origin.z, z.steepness, error, backwards[2] == 0, near);
@@ -151,11 +151,11 @@ impl<L: Level> BundleSlabs<L> {
         ]
     }
 
-    /// Whether bundles [sweep](Tree::sweep) a tree with these rays. Where most rays of a bundle meet the same few boxes, a
-    /// walk's branches can be predicted.
+    /// Whether these rays [sweep](Tree::sweep) a tree. Where rays go the same way, most of them meet the same few boxes, so
+    /// the branches of a walk can be predicted.
     #[inline(always)]
-    pub(super) fn sweep(&self, tree: &Tree) -> bool {
-        tree.is_swept() && !(self.same_way && tree.is_small())
+    pub(super) fn sweeps(&self, tree: &Tree) -> bool {
+        !self.same_way && tree.is_swept()
     }
 
     /// The origins in the tree's space, in f32.

@@ -89,8 +89,8 @@ impl<L: Level> BundleVisitor<L> for ClosestHitWalk<'_, '_, L> {
     #[inline(always)]
     fn visit(&mut self, leaf: u32, rays: u32) {
         let all = self.nearest.limit;
-        // The other rays do not enter the leaf. As minima and maxima, limits are not blended in memory, where they would be
-        // read before they are stored.
+        // The other rays do not enter the leaf. Minima and maxima store all lanes: a load that follows the store of some
+        // waits for it.
         let (rays, infinite) = (L::Mask::from_bits(rays), L::F64::splat(f64::INFINITY));
         self.nearest.limit = all.min(L::F64::select(rays, infinite, L::F64::splat(-1.0)));
         self.nearest.test(self.geometry, self.bvh.leaves.leaf(leaf), self.apart.as_deref_mut());

@@ -153,8 +153,8 @@ impl<'a, F: Real> LaneClosestHit<'a, F> {
         best.at.part = F::U32::select(better, at.part, best.at.part);
         best.primitive = F::U32::select(better, index, best.primitive);
         let limit = self.coincidence_range.end(best.at.t);
-        // Not as a choice between two limits: lanes that are blended in memory are read before they are stored.
-        self.limit = self.limit.min(F::select(at.is_hit(), limit, F::splat(f64::INFINITY)));
+        // Not as a choice between two limits: a load that follows the store of some lanes waits for it.
+        self.limit = F::select(at.is_hit(), limit, F::splat(f64::INFINITY)).min(self.limit);
     }
 
     /// The minima and maxima of t.
