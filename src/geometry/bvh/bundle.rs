@@ -12,7 +12,7 @@ pub trait BundleVisitor<L: Level> {
     /// Whether a ray leaves the bundle where it is the only one, if all rays go the same way.
     const ALONE: bool = false;
 
-    /// Whether a [sweep](Tree::sweep) visits near leaves before far ones.
+    /// Whether a sweep (`Tree::sweep`) visits near leaves before far ones.
     const IN_ORDER: bool = true;
 
     /// Tests the primitives of a leaf for the rays whose bits are set. Implementations are `#[inline(always)]`.

@@ -7,7 +7,8 @@ use super::tree_space::ROUNDING;
 use crate::base::lanes::{Level, Mask, Real, Row, Select, Single, Vec3};
 use crate::base::math::{LaneRay, gamma, max, min};
 
-/// In trees of at most this many nodes, bundles take less time than single rays, whichever way the rays go.
+/// In trees of at most this many nodes, bundles take less time than single rays, whichever way the rays go, and a hull of
+/// them takes longer than it saves.
 const SMALL: usize = 8;
 
 /// Eight rays in the form that the tree's box filters use, like [`Slabs`](super::Slabs).
@@ -24,7 +25,7 @@ pub struct BundleSlabs<L: Level> {
     from: L::F32,
     origin: [L::F32; 3],
     error: L::F32,
-    /// The hull of all rays, if they go the same way along every axis.
+    /// The hull of all rays, if they go the same way along every axis and the tree is not small.
     pub(super) hull: Option<WideSlabs<L::F32>>,
     /// The rays one by one, if they do not and the tree is too large for a [sweep](Tree::sweep).
     pub(super) rows: Option<Rows>,
@@ -217,7 +218,7 @@ impl<L: Level> BundleSlabs<L> {
 }
 
 impl Tree {
-    /// Whether bundles are faster than single rays in any case.
+    /// Whether bundles are faster than single rays in any case, and need no hull.
     #[inline(always)]
     pub fn is_small(&self) -> bool {
         self.nodes.len() <= SMALL

@@ -7,7 +7,7 @@
 //! If a film serves several frames, half of a block's variance comes from the worst frame, and half from the mean of
 //! all frames. So no frame takes many times the samples that it needs alone.
 //!
-//! Three quarters of a block's variance are the mean of its neighbourhood ([`OWN`]). So a block whose few samples have
+//! Three quarters of a block's variance are the mean of its neighbourhood (`OWN`). So a block whose few samples have
 //! missed a light is refined if its neighbours have met that light.
 
 use super::block::Block;
@@ -128,7 +128,7 @@ fn variances(
 /// pictures state.
 const OWN: f64 = 0.25;
 
-/// [`OWN`] of each number, and the rest of the mean of those near it, which `near` gives, itself included.
+/// `OWN` of each number, and the rest of the mean of those near it, which `near` gives, itself included.
 pub fn with_neighbors<N: IntoIterator<Item = usize>>(
     own: &[f64],
     near: impl Fn(usize) -> N + Sync,
